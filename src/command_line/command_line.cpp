@@ -141,7 +141,7 @@ class Parser {
  public:
   explicit Parser(const std::string& mpi) {
     program_.set_version_flag("--version", version_text(mpi));
-    program_.formatter(help_formatter());
+    program_.formatter(help_formatter(""));
     program_.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", program_examples, exit_codes));
     program_.fallthrough();
     program_.require_subcommand(1);
@@ -214,6 +214,7 @@ class Parser {
   void add_subcommands() {
     for (const Subcommand& subcommand : subcommands()) {
       auto* const app = program_.add_subcommand(subcommand.name, subcommand.description);
+      app->formatter(help_formatter(subcommand.everyday));
       app->footer(fmt::format(config_help, subcommand.config) + "\n\nExamples:\n" + subcommand.examples);
       OptionList list;
       subcommand.add_options(list, targets_);

@@ -114,8 +114,6 @@ void offer_known(Offers& offers, const Option& option) {
   if (option.has_name("--type"))
     for (const char* type : {"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"})
       offers.add(type);
-  if (option.has_name("--view"))
-    for (const char* side : {"front", "back", "left", "right", "top", "bottom"}) offers.add(side);
   if (option.is_positional() && option.form == "NAME") offer_names(offers, synth_names());
 }
 
@@ -133,7 +131,10 @@ bool is_of_files(std::string_view part) {
 void offer_values(Offers& offers, const Option& option) {
   offer_known(offers, option);
   bool files = option.is_positional() && option.form.size() == 1;  // pictures to compare
-  for (const auto part : split(option.form, "|")) {
+  // A choice's words are its reader's form, whatever form its row shows.
+  const std::string& form =
+      option.reader.form.find('|') != std::string::npos ? option.reader.form : option.form;
+  for (const auto part : split(form, "|")) {
     if (is_word(part)) offers.add(std::string(part));
     if (part == "FOLDER") offers.add_paths(":folders");
     files = files || is_of_files(part);

@@ -13,13 +13,6 @@ namespace {
 
 constexpr std::size_t screen_width = 100;
 
-/// The subcommand's everyday options; empty when it names none.
-std::string everyday_options(const std::string& subcommand) {
-  for (const Subcommand& s : subcommands())
-    if (subcommand == s.name) return s.everyday;
-  return {};
-}
-
 /// Lines of at most so many characters, all but the first indented.
 std::string wrapped(const std::string& text, std::size_t indent) {
   std::string all;
@@ -38,7 +31,9 @@ std::string first_part(const std::string& help) { return help.substr(0, help.fin
 
 class HelpFormatter : public CLI::Formatter {
  public:
-  HelpFormatter() { column_width(column); }
+  explicit HelpFormatter(const std::string& everyday) : everyday_(detail::words_of(everyday)) {
+    column_width(column);
+  }
   /// "--zoom NUMBER [1]": CLI11's own line glues the default to the type and counts values.
   std::string make_option_opts(const CLI::Option* option) const override {
     std::string text = option->get_type_name().empty() ? "" : " " + option->get_type_name();
@@ -47,13 +42,12 @@ class HelpFormatter : public CLI::Formatter {
   }
 
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
-    const std::string everyday = everyday_options(app->get_name());
-    if (mode != CLI::AppFormatMode::Normal || everyday.empty())
+    if (mode != CLI::AppFormatMode::Normal || everyday_.empty())
       return CLI::Formatter::make_help(app, name, mode);
     std::string text = make_description(app) + make_usage(app, name) + "\n";
     for (const CLI::Option* option : app->get_options())
       if (option->get_positional()) text += everyday_entry(*option);
-    text += everyday_groups(*app, everyday);
+    text += everyday_groups(*app);
     const std::string footer = app->get_footer();
     return text + "\n" + footer.substr(std::min(footer.size(), footer.find("Examples:"))) + "\n";
   }
@@ -72,10 +66,9 @@ class HelpFormatter : public CLI::Formatter {
 
   /// Headings that have more options than are shown say so; headings of which none is shown come last, by
   /// name.
-  std::string everyday_groups(const CLI::App& app, const std::string& everyday) const {
-    const std::vector<std::string> names = detail::words_of(everyday);
+  std::string everyday_groups(const CLI::App& app) const {
     const auto is_everyday = [&](const CLI::Option& option) {
-      return std::any_of(names.begin(), names.end(),
+      return std::any_of(everyday_.begin(), everyday_.end(),
                          [&](const std::string& name) { return option.check_name(name); });
     };
     std::string text;
@@ -98,10 +91,14 @@ class HelpFormatter : public CLI::Formatter {
         fmt::format("--help-all shows all options in full, also those of {}.", joined(others, ", "));
     return text + "\n" + wrapped(rest, 0) + "\n";
   }
+
+  std::vector<std::string> everyday_;
 };
 
 }  // namespace
 
-std::shared_ptr<CLI::FormatterBase> help_formatter() { return std::make_shared<HelpFormatter>(); }
+std::shared_ptr<CLI::FormatterBase> help_formatter(const std::string& everyday) {
+  return std::make_shared<HelpFormatter>(everyday);
+}
 
 }  // namespace ringsplat::app

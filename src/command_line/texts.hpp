@@ -28,9 +28,9 @@ inline constexpr char exit_codes[] =
     "0 done, 1 a comparison failed or --max-error is broken, 2 wrong usage or bad input, "
     "3 a failure while running.";
 
-/// Writes --help and --help-all. Of a subcommand that names everyday options --help shows these alone, in few
-/// words, so that they fit one screen.
-std::shared_ptr<CLI::FormatterBase> help_formatter();
+/// Writes --help and --help-all. Where there are everyday options --help shows these alone, in few words, so
+/// that they fit one screen.
+std::shared_ptr<CLI::FormatterBase> help_formatter(const std::string& everyday);
 
 /// The manual page, section 1, as roff for man(7): all options of the program and its subcommands, and the
 /// rules between them (contradictions.hpp).

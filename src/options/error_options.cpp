@@ -15,10 +15,9 @@ std::string to_string(TruthKind kind) {
 }
 
 TruthKind truth_from(const std::string& name, const std::string& option) {
-  for (const TruthKind kind : {TruthKind::method, TruthKind::field, TruthKind::analytic})
-    if (name == to_string(kind)) return kind;
-  throw InputError(fmt::format("{} cannot be '{}'", option, name),
-                   fmt::format("use {} method|field|analytic", option));
+  return chosen<TruthKind>(
+      {{"method", TruthKind::method}, {"field", TruthKind::field}, {"analytic", TruthKind::analytic}}, name,
+      option);
 }
 
 namespace {
@@ -48,7 +47,7 @@ void note_fixed_shortcuts(const OptionList& list, ErrorBudgetOptions& o) {
 }  // namespace
 
 void add_error_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Error") += {
       {"--error", "method|field", nullptr,
        "Measure the picture against a double-precision truth: the method's own, or the field's integral",
        parsed(o.error.truth, truth_from)},
@@ -62,11 +61,10 @@ void add_error_options(OptionList& list, RenderOptions& o) {
        "with --error field against the field's, and --engine, too; those given are kept",
        error_above_zero(o.budget.max_error)},
   };
-  list.add("Error", rows);
 }
 
 void add_reference_options(OptionList& list, ReferenceOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Truth") += {
       {"--truth", "method|field|analytic", "field",
        "The method's own picture (--quality), the integral of the interpolated volume, or that of the "
        "formula it was made from",
@@ -76,16 +74,14 @@ void add_reference_options(OptionList& list, ReferenceOptions& o) {
       {"--formula", "NAME", nullptr, "Analytic truth: the test volume's name (ringsplat synth --list)",
        value(o.formula)},
   };
-  list.add("Truth", rows);
-  const OptionRow output_rows[] = {
+  list.below("Output") += {
       {"-o,--output", "FILE", nullptr, "The picture: .exr (linear float32), or an 8-bit format",
        value(o.picture.output), Mark::required},
   };
-  list.add("Output", output_rows);
 }
 
 void add_study_options(OptionList& list, StudyOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Output") += {
       {"list", "LIST.toml", nullptr,
        "TOML file of scenes, views and settings; without one, the list that --list prints", value(o.list)},
       {"-o,--output", "FILE.csv", nullptr,
@@ -95,7 +91,6 @@ void add_study_options(OptionList& list, StudyOptions& o) {
        value(o.pictures)},
       {"--list", nullptr, nullptr, "Print the default list and be done", flag(o.show_list)},
   };
-  list.add("Output", rows);
 }
 
 void check_values_file(const RenderOptions& o) {

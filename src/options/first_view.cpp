@@ -46,10 +46,6 @@ bool is_solid(std::optional<glm::dvec3> extents) {
   return 3 * extents->x >= extents->y;
 }
 
-const char* name(Side side) {
-  return side == Side::top ? "top" : side == Side::bottom ? "bottom" : side == Side::left ? "left" : "right";
-}
-
 }  // namespace
 
 void note_direction(const OptionList& list, RenderOptions& o) {

@@ -51,25 +51,18 @@ Sheets sheets_for(const MethodOptions& o) {
   return sheets;
 }
 
-Choices<Quality> qualities() {
-  Choices<Quality> all;
-  for (const Quality q : {Quality::paper, Quality::draft, Quality::normal, Quality::best})
-    all.emplace_back(name(q), q);
-  return all;
-}
-
 }  // namespace
 
 void add_method_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Picture") += {
       {"--quality", nullptr, name(usual_quality),
        "Splats as in the paper, or sheets, from the fastest (draft) to the most exact (best); single options "
        "come first",
-       choice(o.method.quality, qualities())},
+       choice(o.method.quality, named({Quality::paper, Quality::draft, Quality::normal, Quality::best}))},
       {"--engine", nullptr, nullptr,
        "Splats: voxels are classified and splatted; sheets: scalars are interpolated and then classified; "
        "without it --quality says",
-       choice(o.method.engine, {{"splats", Engine::splats}, {"sheets", Engine::sheets}})},
+       choice(o.method.engine, named({Engine::splats, Engine::sheets}))},
       {"--slabs", "1|2|3|4", nullptr,
        "Sheets: pre-integrated slabs from slice to slice; without it 2 for --quality draft and normal, else "
        "3",
@@ -78,7 +71,6 @@ void add_method_options(OptionList& list, RenderOptions& o) {
        "Sheets: points of a slab that are lit; without it 1 for --quality draft, else 2",
        value(o.method.light_points), Mark::of_sheets},
   };
-  list.add("Picture", rows);
 }
 
 Sheets sheets_of(Quality quality) {

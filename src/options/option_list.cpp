@@ -70,16 +70,17 @@ bool Option::has_name(std::string_view name) const {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-void OptionList::add(const char* heading, std::span<const OptionRow> rows) {
+void OptionList::Below::operator+=(std::initializer_list<OptionRow> rows) {
   for (const OptionRow& row : rows) {
-    Option& option = options_.emplace_back(Option{.heading = heading,
-                                                  .form = row.form != nullptr ? row.form : row.reader.form,
-                                                  .help = row.help,
-                                                  .reader = row.reader,
-                                                  .mark = row.mark});
+    Option option{.heading = heading,
+                  .form = row.form != nullptr ? row.form : row.reader.form,
+                  .help = row.help,
+                  .reader = row.reader,
+                  .mark = row.mark};
     if (row.fallback != nullptr)
       option.fallback = *row.fallback == *initial ? row.reader.initial : row.fallback;
     for (const auto name : split(row.names, ",")) option.names.emplace_back(name);
+    list.add(std::move(option));
   }
 }
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <concepts>
 #include <functional>
+#include <initializer_list>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -70,8 +70,13 @@ struct Option {
 class OptionList {
  public:
   void add(Option option) { options_.push_back(std::move(option)); }
-  /// Adds options below a heading of --help.
-  void add(const char* heading, std::span<const OptionRow> rows);
+  /// A heading of --help, below which rows are added: list.below("View") += {row, row}.
+  struct Below {
+    OptionList& list;
+    const char* heading;
+    void operator+=(std::initializer_list<OptionRow> rows);
+  };
+  Below below(const char* heading) { return {*this, heading}; }
   void leave_out(Mark mark) {
     std::erase_if(options_, [mark](const Option& option) { return option.mark == mark; });
   }
@@ -161,27 +166,39 @@ Reader parsed(Target& target, Parse parse) {
 template <class T>
 using Choices = std::vector<std::pair<std::string, T>>;
 
+/// Values by their names.
+template <class T>
+Choices<T> named(std::initializer_list<T> values) {
+  Choices<T> choices;
+  for (const T value : values) choices.emplace_back(name(value), value);
+  return choices;
+}
+
 /// Throws InputError that lists the words.
 [[noreturn]] void refuse_choice(const std::string& option, const std::string& text, const std::string& words);
+
+/// What a word means. Throws InputError that lists the words.
+template <class T>
+T chosen(const Choices<T>& choices, const std::string& given, const std::string& option) {
+  std::string words;
+  for (const auto& [word, meaning] : choices) {
+    if (word == given) return meaning;
+    words += (words.empty() ? "" : "|") + word;
+  }
+  refuse_choice(option, given, words);
+}
 
 /// One of a few words.
 template <class T>
 Reader choice(T& target, const Choices<ValueOf<T>>& choices) {
-  std::string words, chosen;
-  for (const auto& [word, meaning] : choices) {
-    words += (words.empty() ? "" : "|") + word;
-    if (chosen.empty() && target == meaning) chosen = word;
-  }
-  Reader reader = text([&target, choices, words](const std::string& given, const std::string& option) {
-    for (const auto& [word, meaning] : choices)
-      if (word == given) {
-        target = meaning;
-        return;
-      }
-    refuse_choice(option, given, words);
+  Reader reader = text([&target, choices](const std::string& given, const std::string& option) {
+    target = chosen(choices, given, option);
   });
-  reader.form = words;
-  reader.initial = chosen;
+  reader.form.clear();
+  for (const auto& [word, meaning] : choices) {
+    reader.form += (reader.form.empty() ? "" : "|") + word;
+    if (reader.initial.empty() && target == meaning) reader.initial = word;
+  }
   return reader;
 }
 

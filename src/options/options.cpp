@@ -20,7 +20,7 @@ ScalarType parse_type(const std::string& text, const std::string&) { return scal
 }  // namespace
 
 void add_volume_options(OptionList& list, VolumeOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Volume") += {
       {"volume", "VOLUME", nullptr,
        "NRRD, MetaImage, NIfTI, HDF5 (FILE:/DATASET), VTK, NumPy, MRC, TIFF or raw file, or a folder: Zarr, "
        "a DICOM series or TIFF pages",
@@ -36,11 +36,10 @@ void add_volume_options(OptionList& list, VolumeOptions& o) {
        "Of an OME-Zarr pyramid the finest level is taken whose voxels take at most this: 8G, 500M",
        parsed(o.choice.memory, parse_memory)},
   };
-  list.add("Volume", rows);
 }
 
 void add_raw_options(OptionList& list, VolumeOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Raw volumes (others describe themselves)") += {
       {"--dims", "XxYxZ", nullptr, "Voxels along x, y, z", parsed(o.raw.dims, parse_dims)},
       {"--type", "TYPE", nullptr, "int8 uint8 int16 uint16 int32 uint32 float32 float64",
        parsed(o.raw.type, parse_type)},
@@ -51,11 +50,10 @@ void add_raw_options(OptionList& list, VolumeOptions& o) {
        "Distances between voxels; replaces the file's own, whatever the format",
        parsed(o.raw.spacing, parse_spacing)},
   };
-  list.add("Raw volumes (others describe themselves)", rows);
 }
 
 void add_layout_options(OptionList& list, RunOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Ranks") += {
       {"--gps", "G|auto", nullptr,
        "Ranks that hold slices and send what is visible; auto: as many as a frame is foreseen to need",
        count_or_auto(o.gps, {&o.choose_roles})},
@@ -80,11 +78,10 @@ void add_layout_options(OptionList& list, RunOptions& o) {
        "their rank",
        choice(o.routing, {{"manhattan", Routing::manhattan}, {"direct", Routing::direct}})},
   };
-  list.add("Ranks", rows);
 }
 
 void add_rank_options(OptionList& list, RunOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Ranks") += {
       {"--threads-per-rank", "T", nullptr,
        "Threads that share a rank's work: its cores without it; ranks share their machine's cores evenly",
        value(o.threads_per_rank)},
@@ -95,11 +92,10 @@ void add_rank_options(OptionList& list, RunOptions& o) {
                             {"loopback", TransportChoice::loopback}}),
        Mark::of_program},
   };
-  list.add("Ranks", rows);
 }
 
 void add_protocol_options(OptionList& list, RunOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Protocol") += {
       {"--frames-in-flight", nullptr, initial, "Frames announced and not yet complete",
        value(o.protocol.frames_in_flight)},
       {"--slots", nullptr, initial, "Payloads a Renderer accepts before it has drawn them",
@@ -130,11 +126,10 @@ void add_protocol_options(OptionList& list, RunOptions& o) {
        flag(o.loopback.in_step)},
       {"--seed", nullptr, initial, "Seed of what is random", value(o.loopback.seed, {.least = 0})},
   };
-  list.add("Protocol", rows);
 }
 
 void add_machine_options(OptionList& list, RunOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Simulated machines (docs/simulation.md)") += {
       {"--machine", "FILE", nullptr, "Charge what this described machine's nodes would spend",
        value(o.machine)},
       {"--count-only", nullptr, nullptr,
@@ -147,11 +142,10 @@ void add_machine_options(OptionList& list, RunOptions& o) {
        "Tokens move one GP per step of a common clock, which lasts so long; 0: freely",
        value(o.simulation.step_seconds, {0.0, 1e6})},
   };
-  list.add("Simulated machines (docs/simulation.md)", rows);
 }
 
 void add_server_options(OptionList& list, ServeOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Viewer") += {
       {"--port", "N", initial, "Port of the page; 0: any that is free", value(o.port, {0, 65535})},
       {"--bind", "ADDRESS", initial, "Address to listen at; other machines reach others than 127.0.0.1",
        value(o.address)},
@@ -171,19 +165,17 @@ void add_server_options(OptionList& list, ServeOptions& o) {
       {"--background", "COLOUR", "black", "A name, #rrggbb or r,g,b from 0 to 1",
        parsed(o.picture.background, parse_colour)},
   };
-  list.add("Viewer", rows);
 }
 
 void add_info_options(OptionList& list, InfoOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Output") += {
       {"--gps", "G", nullptr, "Predict the memory of a GP for G of them", value(o.gps, {1, 1 << 24})},
       {"--bundle", "K", initial, "Predict for bundles of so many slices",
        value(o.bundle, {1, most_slices_of_bundle})},
       {"--json", nullptr, nullptr, "Write JSON", flag(o.json)},
       {"--presets", nullptr, nullptr, "List the transfer functions that --tf knows by name", flag(o.presets)},
   };
-  list.add("Output", rows);
-  const OptionRow prediction_rows[] = {
+  list.below("Prediction") += {
       {"--ranks", "N", nullptr, "Predict a frame's time for all ways to give N ranks roles",
        value(o.ranks, {1, 4096})},
       {"--cores", "C", nullptr, "Cores that the ranks share; without it this machine's",
@@ -191,11 +183,10 @@ void add_info_options(OptionList& list, InfoOptions& o) {
       {"--machine", "FILE", nullptr,
        "Predict for a described machine (docs/simulation.md) instead of this one", value(o.machine)},
   };
-  list.add("Prediction", prediction_rows);
 }
 
 void add_compare_options(OptionList& list, CompareOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Output") += {
       {"a", "A", nullptr, "The picture in question", value(o.a), Mark::required},
       {"b", "B", nullptr, "What it is compared with", value(o.b), Mark::required},
       {"--threshold", nullptr, initial, "Count the pixels that differ by more than this, in 1/255",
@@ -206,11 +197,10 @@ void add_compare_options(OptionList& list, CompareOptions& o) {
       {"--diff-scale", nullptr, initial, "Multiply the written difference", value(o.difference_scale)},
       {"--json", nullptr, nullptr, "Write JSON", flag(o.json)},
   };
-  list.add("Output", rows);
 }
 
 void add_synth_options(OptionList& list, SynthOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Output") += {
       {"name", "NAME", nullptr, "Which volume; --list says what there is", value(o.name)},
       {"-o,--output", "FILE", nullptr,
        ".nrrd, .nhdr, .mhd or .raw (dimensions and type then go into its name)", value(o.output)},
@@ -222,7 +212,6 @@ void add_synth_options(OptionList& list, SynthOptions& o) {
        "Write a .nrrd without gzip, so that all ranks can read it at once", flag(o.no_compression)},
       {"--list", nullptr, nullptr, "List the volumes", flag(o.list)},
   };
-  list.add("Output", rows);
 }
 
 }  // namespace ringsplat::app

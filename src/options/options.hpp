@@ -22,6 +22,10 @@ namespace ringsplat::app {
 /// The sides of --view. Left and right are the patient's where a file says that there is one, else those of
 /// the view from the front.
 enum class Side { front, back, left, right, top, bottom };
+constexpr const char* name(Side side) {
+  constexpr const char* names[] = {"front", "back", "left", "right", "top", "bottom"};
+  return names[static_cast<int>(side)];
+}
 
 enum class TransportChoice { automatic, mpi, loopback };
 

@@ -48,17 +48,16 @@ Reader statistics_file(RenderOptions& o) {
 }  // namespace
 
 void add_series_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Volume") += {
       {"--frames", "A:B[:STEP]|all", nullptr,
        "The volumes of a series, from A to before B, or all; VOLUME is a file with several time points, or a "
        "quoted pattern: 'step_*.nrrd', counted from 0, or step_%04d.nrrd, with the names' own numbers",
        parsed(o.frames, parse_frames)},
   };
-  list.add("Volume", rows);
 }
 
 void add_render_output_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Output") += {
       {"-o,--output", "FILE", nullptr,
        "The picture: .png (sRGB), .exr (linear float), .tif .jpg .tga; of many views also .mp4, a film by "
        "ffmpeg; not needed with --stats or --count-only",
@@ -79,30 +78,23 @@ void add_render_output_options(OptionList& list, RenderOptions& o) {
        "Slice sets that are kept in memory: those the views traverse, or all three",
        choice(o.keep_all_axes, {{"needed", false}, {"all", true}}), Mark::of_program},
   };
-  list.add("Output", rows);
 }
 
 void add_clip_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Volume") += {
       {"--clip", "X0:X1,Y0:Y1,Z0:Z1", nullptr,
        "Only these voxels, as if the rest were cut off; from the first to before the last; an empty part or "
        "end means up to the face; with mm behind a part, or behind all, distances from the first face",
        parsed(o.clip, parse_clip)},
   };
-  list.add("Volume", rows);
 }
 
 void add_camera_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("View") += {
       {"--view", "SIDE", nullptr,
        "Seen from the front, back, left, right, top or bottom; without any such option a patient from the "
        "front, a flat volume from its broad side, all else from azimuth 30 and elevation 20",
-       choice(o.side, {{"front", Side::front},
-                       {"back", Side::back},
-                       {"left", Side::left},
-                       {"right", Side::right},
-                       {"top", Side::top},
-                       {"bottom", Side::bottom}})},
+       choice(o.side, named({Side::front, Side::back, Side::left, Side::right, Side::top, Side::bottom}))},
       {"--azimuth", nullptr, initial, "Degrees the viewer walks around to the right: 0 is in front",
        value(o.frame.shown.camera.azimuth)},
       {"--elevation", nullptr, initial, "Degrees the viewer climbs: 90 looks straight down, -90 up",
@@ -111,11 +103,10 @@ void add_camera_options(OptionList& list, RenderOptions& o) {
        value(o.frame.shown.camera.roll)},
       {"--zoom", nullptr, initial, "1 fits the volume to the image", value(o.frame.shown.camera.zoom)},
   };
-  list.add("View", rows);
 }
 
 void add_view_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("View") += {
       {"--fit", nullptr, nullptr,
        "What --zoom 1 fits to the image: the volume's box as it is seen, or its bounding sphere, whose size "
        "does not change as the volume turns; without it the sphere for --orbit and --path, else the box",
@@ -147,11 +138,10 @@ void add_view_options(OptionList& list, RenderOptions& o) {
        "for each line that comes on stdin",
        value(o.path), Mark::of_program},
   };
-  list.add("View", rows);
 }
 
 void add_size_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Picture") += {
       {"--size", "WxH", "512x512", "Pixels of the image", image_size(o.frame)},
       {"--no-opacity-correction", nullptr, nullptr,
        "Take opacities per slice, whatever the distance between slices along the ray",
@@ -161,8 +151,7 @@ void add_size_options(OptionList& list, RenderOptions& o) {
       {"--tf", "NAME|FILE", initial, "Transfer function: a preset (info --presets) or a ParaView JSON file",
        value(o.transfer_function)},
   };
-  list.add("Picture", rows);
-  const OptionRow colour_rows[] = {
+  list.below("Colours") += {
       {"--range", "LO:HI", nullptr,
        "Window of values that the transfer function spans; a preset or a file is stretched onto it",
        parsed(o.colour.range, parse_window)},
@@ -183,12 +172,8 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        "integral "
        "over length, in grey or in --tf's colours and opacities; or the first surface of --isovalue; needs "
        "sheets",
-       choice(o.colour.mode, {{"composite", Mode::composite},
-                              {"mip", Mode::mip},
-                              {"minip", Mode::minip},
-                              {"mean", Mode::mean},
-                              {"sum", Mode::sum},
-                              {"surface", Mode::surface}})},
+       choice(o.colour.mode,
+              named({Mode::composite, Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface}))},
       {"--isovalue", nullptr, nullptr,
        "The value of --mode surface; without it the one that parts the volume's values best",
        value(o.colour.isovalue)},
@@ -198,19 +183,17 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        choice(o.colour.interpolation,
               {{"linear", Interpolation::linear}, {"nearest", Interpolation::nearest}})},
   };
-  list.add("Colours", colour_rows);
 }
 
 void add_tf_output_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Picture") += {
       {"--tf-out", "FILE", nullptr, "Write the transfer function used, as ParaView JSON",
        value(o.transfer_function_out)},
   };
-  list.add("Picture", rows);
 }
 
 void add_shading_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Picture") += {
       {"--shading", nullptr, initial, "Lit by gradients, or the transfer function's colours as they are",
        choice(o.frame.shown.shading, {{"phong", Shading::phong}, {"none", Shading::none}})},
       {"--ambient", nullptr, initial, "Phong: light from everywhere", value(o.frame.shown.material.ambient)},
@@ -220,11 +203,10 @@ void add_shading_options(OptionList& list, RenderOptions& o) {
       {"--exponent", nullptr, initial, "Phong: how sharp highlights are",
        value(o.frame.shown.material.exponent)},
   };
-  list.add("Picture", rows);
 }
 
 void add_picture_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Picture") += {
       {"--values", nullptr, nullptr,
        "Numbers instead of colours, in red, green and blue of an .exr: the --mode's largest, least or mean "
        "value, or integral over length; of surface the distance behind the plane through the volume's "
@@ -255,11 +237,10 @@ void add_picture_options(OptionList& list, RenderOptions& o) {
        "the work more evenly; strips in the slices' plane",
        value(o.frame.division.region_size, {1, 1 << 20})},
   };
-  list.add("Picture", rows);
 }
 
 void add_shortcut_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  list.below("Shortcuts") += {
       {"--progressive", nullptr, nullptr,
        "Show each view from every 4th voxel, then from every 2nd (OUT-u4.png, OUT-u2.png), then in full; a "
        "newer view on --path - ends it",
@@ -289,7 +270,6 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
               {{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}}),
        Mark::of_splats},
   };
-  list.add("Shortcuts", rows);
 }
 
 }  // namespace ringsplat::app
