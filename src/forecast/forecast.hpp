@@ -95,8 +95,6 @@ double measure_hop(Transport& transport);
 /// finite value.
 TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice& choice);
 
-VolumeSketch sketch_of(VolumeSource& source);
-
 /// The views of a run to foresee: the first, or three evenly spread ones of a long run.
 std::vector<Camera> some_views(const std::vector<Camera>& cameras);
 

@@ -1,4 +1,9 @@
 #pragma once
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
 #include <condition_variable>
 #include <cstdio>
 #include <functional>
@@ -8,9 +13,21 @@
 #include <thread>
 #include <utility>
 
+#include "base/clock.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::app {
+
+/// "[#########...........]  45 %  rendering, 12 s left"; without a total "rendering, 12 s so far". Pure, for
+/// Progress.
+inline std::string progress_text(const std::string& what, double done, double total, double seconds) {
+  if (!(total > 0) || !(done > 0)) return fmt::format("{}, {:.0f} s so far", what, seconds);
+  constexpr int width = 30;
+  const double part = std::clamp(done / total, 0.0, 1.0);
+  const auto filled = static_cast<std::size_t>(part * width);
+  return fmt::format("[{}{}] {:3.0f} %  {}, {:.0f} s left", std::string(filled, '#'),
+                     std::string(width - filled, '.'), 100 * part, what, seconds * (1 - part) / part);
+}
 
 /// Shows on stderr how far a long piece of work is, once it has taken two seconds: a redrawn bar on a
 /// terminal, else a line every few seconds. A thread of its own draws, so that time passes on the display
@@ -18,36 +35,119 @@ namespace ringsplat::app {
 class Progress {
  public:
   /// When `silent`, shows no progress. `results` is where print() writes.
-  explicit Progress(bool silent = false, std::FILE* results = stdout);
+  explicit Progress(bool silent = false, std::FILE* results = stdout)
+      : silent_(silent), terminal_(isatty(STDERR_FILENO) == 1), results_(results) {
+    if (!silent_) thread_ = std::thread([this] { watch(); });
+  }
   /// Where progress and results go instead of a terminal, on the thread that reports. May throw to end the
   /// work.
   struct Listener {
     std::function<void(const std::string& what, double done, double total)> at;
     std::function<void(const std::string& line)> print;
   };
-  explicit Progress(Listener listener);
-  ~Progress();
+  explicit Progress(Listener listener)
+      : silent_(true), terminal_(false), listener_(std::move(listener)), results_(stdout) {}
+  ~Progress() {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+      wipe();
+    }
+    changed_.notify_all();
+    if (thread_.joinable()) thread_.join();
+  }
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
   /// Starts a piece of work of `total` units; 0 when that is not known.
-  void begin(const std::string& what, double total);
-  void at(double done);  ///< units done so far
-  void end();
+  void begin(const std::string& what, double total) {
+    if (listener_.at) listener_.at(what, 0, total);
+    const std::lock_guard lock(mutex_);
+    what_ = what;
+    total_ = total;
+    done_ = 0;
+    waiting_for_.clear();
+    start_clock();
+    working_ = true;
+  }
+  /// Units done so far.
+  void at(double done) {
+    std::string what;
+    double total = 0;
+    {
+      const std::lock_guard lock(mutex_);
+      done_ = done;
+      if (!listener_.at) return;
+      what = what_;
+      total = total_;
+    }
+    listener_.at(what, done, total);
+  }
+  void end() {
+    const std::lock_guard lock(mutex_);
+    working_ = false;
+    wipe();
+  }
   /// Shows until go_on() that the run waits for `what`, as in "waiting for views"; off a terminal prints it
   /// only once. The time shown counts from go_on().
-  void wait_for(const std::string& what);
+  void wait_for(const std::string& what) {
+    const std::lock_guard lock(mutex_);
+    wipe();
+    waiting_for_ = what;
+    start_clock();
+  }
   void go_on() { wait_for({}); }
   /// Writes a line of results without the bar getting into it.
-  void print(const std::string& line);
+  void print(const std::string& line) {
+    if (listener_.print) return listener_.print(line);
+    const std::lock_guard lock(mutex_);
+    wipe();
+    std::fprintf(results_, "%s\n", line.c_str());
+    std::fflush(results_);
+  }
   /// Removes the bar, so that others can write to stderr.
-  void clear();
+  void clear() {
+    const std::lock_guard lock(mutex_);
+    wipe();
+  }
 
  private:
-  void watch();
-  void draw();
-  void start_clock();
-  void wipe();
+  static constexpr double patience = 2.0;        ///< seconds before anything is printed
+  static constexpr double redraw_seconds = 0.2;  ///< on a terminal
+  static constexpr double line_seconds = 5.0;    ///< elsewhere
+
+  void watch() {
+    std::unique_lock lock(mutex_);
+    while (!stop_) {
+      changed_.wait_for(lock, std::chrono::duration<double>(redraw_seconds), [this] { return stop_; });
+      if (working_ && !stop_) draw();
+    }
+  }
+
+  void draw() {
+    const double now = now_seconds();
+    if (now - started_ < patience || now - drawn_at_ < (terminal_ ? redraw_seconds / 2 : line_seconds))
+      return;
+    const bool waiting = !waiting_for_.empty();
+    if (waiting && !terminal_ && std::exchange(said_waiting_, true)) return;
+    drawn_at_ = now;
+    const std::string text = waiting ? waiting_for_ : progress_text(what_, done_, total_, now - started_);
+    std::fprintf(stderr, terminal_ ? "\r%s\x1b[K" : "ringsplat: %s\n", text.c_str());
+    std::fflush(stderr);
+    on_screen_ = terminal_;
+  }
+
+  void start_clock() {
+    started_ = now_seconds();
+    drawn_at_ = 0;
+  }
+
+  void wipe() {
+    if (!on_screen_) return;
+    std::fputs("\r\x1b[K", stderr);
+    std::fflush(stderr);
+    on_screen_ = false;
+  }
 
   const bool silent_, terminal_;
   const Listener listener_;
@@ -59,10 +159,6 @@ class Progress {
   bool working_ = false, said_waiting_ = false, stop_ = false, on_screen_ = false;
   std::thread thread_;
 };
-
-/// "[#########...........]  45 %  rendering, 12 s left"; without a total "rendering, 12 s so far". Pure, for
-/// Progress.
-std::string progress_text(const std::string& what, double done, double total, double seconds);
 
 /// A source that tells a progress bar how far it was read.
 class WatchedSource final : public ForwardingSource {

@@ -81,89 +81,68 @@ std::vector<Field> fields_of(Machine& m) {
           count("platform.leaf", m.platform.leaf, 1, most_count)};
 }
 
-class Reader {
- public:
-  Reader(const std::string& toml, std::string where)
-      : where_(std::move(where)), fields_(fields_of(machine_)) {
-    std::istringstream in(toml);
-    try {
-      for (const auto& item : CLI::ConfigTOML().from_config(in))
-        if (item.name != "++" && item.name != "--") take(item);  // CLI11's marks of a section's begin and end
-    } catch (const CLI::Error& e) {
-      throw InputError(fmt::format("{} is no TOML: {}", where_, e.what()), hint);
-    }
-  }
+constexpr const char* hint = "mpi_configs/machines has machines that work, docs/simulation.md the fields";
 
-  Machine read() {
-    for (const Field& field : fields_) {
-      if (field.required) require(field.key);
-      if (field.in_splats > 0 && seen_.count(field.key) == 0)
-        field.set(field.in_splats * machine_.renderer.splat);
-    }
-    for (const char* key : {"name", "platform.kind"}) require(key);
-    return machine_;
+std::vector<CLI::ConfigItem> items_of(const std::string& toml, const std::string& where) {
+  std::istringstream in(toml);
+  try {
+    return CLI::ConfigTOML().from_config(in);
+  } catch (const CLI::Error& e) {
+    throw InputError(fmt::format("{} is no TOML: {}", where, e.what()), hint);
   }
+}
 
- private:
-  static constexpr const char* hint =
-      "mpi_configs/machines has machines that work, docs/simulation.md the fields";
-
-  void require(const char* key) const {
-    if (seen_.count(key) == 0) wrong(key, "is missing");
-  }
-  [[noreturn]] void wrong(const std::string& key, const std::string& problem) const {
-    throw InputError(fmt::format("{}: {} {}", where_, key, problem), hint);
-  }
-
-  void take(const CLI::ConfigItem& item) {
-    const std::string key = item.fullname();
-    seen_.insert(key);
-    if (item.inputs.size() != 1) wrong(key, "needs one value");
-    const std::string& text = item.inputs.front();
-    if (key == "name") {
-      machine_.name = text;
-    } else if (key == "platform.kind") {
-      machine_.platform.kind = kind_of(text);
-    } else {
-      take_number(key, text);
-    }
-  }
-
-  PlatformKind kind_of(const std::string& text) const {
-    const auto found = std::find(names.begin(), names.end(), text);
-    if (found == names.end())
-      wrong("platform.kind", fmt::format("is '{}', none of {}", text, fmt::join(names, ", ")));
-    return PlatformKind(found - names.begin());
-  }
-
-  void take_number(const std::string& key, const std::string& text) const {
-    const auto field =
-        std::find_if(fields_.begin(), fields_.end(), [&](const Field& f) { return key == f.key; });
-    if (field == fields_.end()) wrong(key, "is no field of a machine");
-    double value = 0;
-    if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value))
-      wrong(key, fmt::format("is '{}', not a number", text));
-    if (field->whole && value != std::floor(value))
-      wrong(key, fmt::format("is {}, not a whole number", text));
-    if (!(value >= field->least && value <= field->most))
-      wrong(key, field->most < no_limit
-                     ? fmt::format("is {}, not from {} to {}", text, field->least, field->most)
-                     : fmt::format("is {}, below {}", text, field->least));
-    field->set(value);
-  }
-
-  std::string where_;
-  Machine machine_;
-  std::vector<Field> fields_;
-  std::set<std::string> seen_;
-};
+/// What is wrong with a number of the file; empty when it is right, and then set.
+std::string set_number(const Field& field, const std::string& text) {
+  double value = 0;
+  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value))
+    return fmt::format("is '{}', not a number", text);
+  if (field.whole && value != std::floor(value)) return fmt::format("is {}, not a whole number", text);
+  if (!(value >= field.least && value <= field.most))
+    return field.most < no_limit ? fmt::format("is {}, not from {} to {}", text, field.least, field.most)
+                                 : fmt::format("is {}, below {}", text, field.least);
+  field.set(value);
+  return {};
+}
 
 }  // namespace
 
 const char* name(PlatformKind kind) { return names[std::size_t(kind)]; }
 
 Machine parse_machine(const std::string& toml, const std::string& where) {
-  return Reader(toml, where).read();
+  Machine machine;
+  const std::vector<Field> fields = fields_of(machine);
+  std::set<std::string> seen;
+  const auto require = [&](const std::string& key, bool right, const std::string& problem) {
+    if (!right) throw InputError(fmt::format("{}: {} {}", where, key, problem), hint);
+  };
+  for (const auto& item : items_of(toml, where)) {
+    if (item.name == "++" || item.name == "--") continue;  // CLI11's marks of a section's begin and end
+    const std::string key = item.fullname();
+    seen.insert(key);
+    require(key, item.inputs.size() == 1, "needs one value");
+    const std::string& text = item.inputs.front();
+    if (key == "name") {
+      machine.name = text;
+    } else if (key == "platform.kind") {
+      const auto kind = std::find(names.begin(), names.end(), text);
+      require(key, kind != names.end(),
+              "is '" + text + "', none of " + fmt::to_string(fmt::join(names, ", ")));
+      machine.platform.kind = PlatformKind(kind - names.begin());
+    } else {
+      const auto field =
+          std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return key == f.key; });
+      require(key, field != fields.end(), "is no field of a machine");
+      const std::string problem = set_number(*field, text);
+      require(key, problem.empty(), problem);
+    }
+  }
+  for (const Field& field : fields) {
+    require(field.key, !field.required || seen.contains(field.key), "is missing");
+    if (field.in_splats > 0 && !seen.contains(field.key)) field.set(field.in_splats * machine.renderer.splat);
+  }
+  for (const char* key : {"name", "platform.kind"}) require(key, seen.contains(key), "is missing");
+  return machine;
 }
 
 Machine read_machine(const std::string& path) {
@@ -173,41 +152,6 @@ Machine read_machine(const std::string& path) {
     throw InputError(fmt::format("the machine {} cannot be read", path),
                      "name a file such as mpi_configs/machines/pixel-planes-5.toml");
   return parse_machine(text.str(), path);
-}
-
-double encoding_seconds(const Machine& m, double voxels, double visible, double slices) {
-  return slices * m.gp.slice + visible * m.gp.visible_voxel + (voxels - visible) * m.gp.transparent_voxel;
-}
-
-double drawing_seconds(const Machine& m, double splats, double passes, double pixels, double slices) {
-  return slices * m.renderer.slice + splats * m.renderer.splat + passes * m.renderer.pass +
-         pixels * m.renderer.composite;
-}
-
-double selecting_seconds(const Machine& m, double blocks, double sent, double slices) {
-  return slices * m.gp.slice + blocks * m.sheets.look + sent * m.sheets.copy;
-}
-
-double placing_seconds(const Machine& m, double blocks, double placed, double slices) {
-  return slices * m.sheets.slice + blocks * m.sheets.look + placed * m.sheets.place;
-}
-
-double painting_seconds(const Machine& m, double samples) { return samples * m.sheets.sample; }
-
-double painting_piece(const Machine& m) {
-  constexpr double group = 16 * 16, slabs = 12;
-  const double seconds = painting_seconds(m, group * slabs);
-  return seconds > 0 ? std::min(seconds, m.poll_interval) : m.poll_interval;
-}
-
-bool shares_cores(const Machine& m, int ranks) {
-  return m.platform.hosts > 0 && ranks > std::int64_t{m.platform.hosts} * m.platform.cores;
-}
-
-double sending_seconds(const Machine& m, double bytes) {
-  const double packets =
-      m.message.packet_bytes == 0 ? 1 : std::ceil(bytes / static_cast<double>(m.message.packet_bytes));
-  return m.message.send + packets * m.message.packet;
 }
 
 }  // namespace ringsplat

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 
@@ -71,22 +73,41 @@ Machine parse_machine(const std::string& toml, const std::string& where);
 Machine read_machine(const std::string& path);
 
 /// Seconds a GP computes on slices of `voxels` together, of which `visible` are not transparent.
-double encoding_seconds(const Machine& machine, double voxels, double visible, double slices = 1);
+inline double encoding_seconds(const Machine& m, double voxels, double visible, double slices = 1) {
+  return slices * m.gp.slice + visible * m.gp.visible_voxel + (voxels - visible) * m.gp.transparent_voxel;
+}
 /// Seconds a Renderer draws and composites a payload of slices that have `pixels` pixels together.
-double drawing_seconds(const Machine& machine, double splats, double passes, double pixels,
-                       double slices = 1);
+inline double drawing_seconds(const Machine& m, double splats, double passes, double pixels,
+                              double slices = 1) {
+  return slices * m.renderer.slice + splats * m.renderer.splat + passes * m.renderer.pass +
+         pixels * m.renderer.composite;
+}
 /// Seconds a GP spends on slices of `blocks` blocks, of which it sends `sent`; one sent twice counts twice.
-double selecting_seconds(const Machine& machine, double blocks, double sent, double slices = 1);
+inline double selecting_seconds(const Machine& m, double blocks, double sent, double slices = 1) {
+  return slices * m.gp.slice + blocks * m.sheets.look + sent * m.sheets.copy;
+}
 /// Seconds a Renderer spends on a payload of such slices, before it paints.
-double placing_seconds(const Machine& machine, double blocks, double placed, double slices = 1);
+inline double placing_seconds(const Machine& m, double blocks, double placed, double slices = 1) {
+  return slices * m.sheets.slice + blocks * m.sheets.look + placed * m.sheets.place;
+}
 /// Seconds it paints pixels of what lies between two slices.
-double painting_seconds(const Machine& machine, double samples);
+inline double painting_seconds(const Machine& m, double samples) { return samples * m.sheets.sample; }
 /// Seconds that a Renderer of sheets paints before it takes messages: a group of pixels through a dozen
 /// slabs.
-double painting_piece(const Machine& machine);
+inline double painting_piece(const Machine& m) {
+  constexpr double group = 16 * 16, slabs = 12;
+  const double seconds = painting_seconds(m, group * slabs);
+  return seconds > 0 ? std::min(seconds, m.poll_interval) : m.poll_interval;
+}
 /// Whether so many ranks are more than the machine has cores.
-bool shares_cores(const Machine& machine, int ranks);
+inline bool shares_cores(const Machine& m, int ranks) {
+  return m.platform.hosts > 0 && ranks > std::int64_t{m.platform.hosts} * m.platform.cores;
+}
 /// Seconds of software a sender spends on a message of so many bytes, header included.
-double sending_seconds(const Machine& machine, double bytes);
+inline double sending_seconds(const Machine& m, double bytes) {
+  const double packets =
+      m.message.packet_bytes == 0 ? 1 : std::ceil(bytes / static_cast<double>(m.message.packet_bytes));
+  return m.message.send + packets * m.message.packet;
+}
 
 }  // namespace ringsplat

@@ -7,14 +7,16 @@
 #include <simgrid/s4u.hpp>
 
 #include <algorithm>
-#include <cstdio>
 #include <cstring>
 #include <map>
 #include <unordered_set>
 #include <utility>
 #include <vector>
 
+#include "base/log.hpp"
+#include "base/output_file.hpp"
 #include "net/message.hpp"
+#include "ringsplat/base/error.hpp"
 #include "simulate/counted_payload.hpp"
 
 namespace ringsplat::simgrid_platform {
@@ -114,13 +116,10 @@ struct LinkUse {
   }
 };
 
-void write(const std::string& file, const std::string& text) {
-  const std::string beside = file + ".part";
-  std::FILE* const out = std::fopen(beside.c_str(), "w");
-  const bool written = out != nullptr && std::fputs(text.c_str(), out) >= 0;
-  const bool closed = out != nullptr && std::fclose(out) == 0;
-  if (!written || !closed || std::rename(beside.c_str(), file.c_str()) != 0)
-    std::fprintf(stderr, "ringsplat: error: %s cannot be written\n", file.c_str());
+void write(const std::string& file, const std::string& text) try {
+  write_text(file, text);
+} catch (const Error& e) {
+  log_error("{}", e.what());
 }
 
 std::string links_csv(const std::vector<const Transfer*>& payloads) {

@@ -5,6 +5,7 @@
 #include <simgrid/kernel/routing/NetZoneImpl.hpp>
 #include <simgrid/s4u.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -207,17 +208,8 @@ s4u::NetZone* fat_tree(const Job& job) {
 }
 
 s4u::NetZone* make_zone(const Job& job) {
-  switch (job.machine.platform.kind) {
-    case PlatformKind::mesh:
-      return mesh(job);
-    case PlatformKind::torus:
-      return torus(job);
-    case PlatformKind::fat_tree:
-      return fat_tree(job);
-    case PlatformKind::backbone:
-      break;
-  }
-  return backbone(job);
+  constexpr std::array makers{backbone, mesh, torus, fat_tree};  // in PlatformKind's order
+  return makers[std::size_t(job.machine.platform.kind)](job);
 }
 
 }  // namespace
