@@ -36,6 +36,7 @@ export class App {
     this.latency = NaN;
     this.latencyOf = -1;
     this.losses = 0;
+    this.changed = new Set();  // members of the scene, since the last redraw
     const neutral = { camera: { azimuth: 0, elevation: 0, roll: 0, zoom: 1, pan: [0, 0], fov: 0 },
                       background: [0.07, 0.07, 0.08] };
     this.stage = new Stage(() => ({ ...(this.scene.state ?? neutral), driving: this.driving }),
@@ -66,6 +67,8 @@ export class App {
     window.addEventListener('pagehide', () => this.connection.close());
     window.addEventListener('pageshow', (event) => event.persisted && this.connection.reopen());
     matchMedia('(prefers-color-scheme: light)').addEventListener('change', () => this.refreshPanels());
+    this.readAddress();
+    this.connection.open();
   }
 
   /** Takes token and scene from the address. True when a new token came. */
@@ -74,21 +77,16 @@ export class App {
     if (token) sessionStorage.setItem(key, token);
     this.visited = token === null;  // and loaded anew
     this.token = token ?? sessionStorage.getItem(key) ?? '';
-    if (state === undefined) this.complain('The address holds a scene that cannot be read.');
+    if (state === undefined) showError('The address holds a scene that cannot be read.');
     if (state) {
       const checked = checkedState(state);
-      if (checked.refused.length) this.complain(`The address holds an unfit ${checked.refused.join(', ')}.`);
+      if (checked.refused.length) showError(`The address holds an unfit ${checked.refused.join(', ')}.`);
       if (this.scene.state) this.takeState(checked.state);
       else this.brought = checked.state;
     }
     const rest = state ? location.hash.replace(/^#[^&]*&?/, '#') : '';
     if (token) history.replaceState(null, '', location.pathname + location.search + rest);
     return token !== null;
-  }
-
-  start() {
-    this.readAddress();
-    this.connection.open();
   }
 
   // What the server says.
@@ -99,14 +97,12 @@ export class App {
       driver: () => this.setDriver(message.you, message.viewers),
       state: () => this.follow(message.state),
       frame: () => this.series.told(message),
-      probe: () => this.connection.answer(message.id, message),
-      map: () => this.connection.answer(message.id, message),
-      movie_frame: () => this.connection.answer(message.id, message),
       error: () => this.connection.fail(message.id, message.message) || showError(message.message, message.hint),
       warning: () => showError(message.message, message.hint, true),
       end: () => this.ended(message.message),
     };
     if (Object.hasOwn(acts, message.type)) acts[message.type]();
+    else this.connection.answer(message.id, message);
   }
 
   greet(hello) {
@@ -158,7 +154,7 @@ export class App {
 
   pictureShown(picture) {
     if (picture.seq !== this.latencyOf && this.driving) [this.latency, this.latencyOf] = [picture.latency, picture.seq];
-    if (!this.driving || this.stage.frameOf(picture.seq) === this.series.frame) this.series.pictureShown();
+    if (!this.driving || this.stage.sent.get(picture.seq)?.frame === this.series.frame) this.series.pictureShown();
     showFacts(picture, this.driving ? this.latency : NaN, this.hello);
     this.awaitPicture(false);
     this.awaitPicture(this.driving && !(picture.atRest && picture.seq === this.sender.seq));
@@ -175,7 +171,7 @@ export class App {
     if (status === 'open') this.losses = 0;
     if (status === 'open') this.refusal?.remove();
     if (status === 'lost' && ++this.losses === lossesTold)
-      this.complain('The server does not answer.', 'If it was started anew, open the address that it printed then.');
+      showError('The server does not answer.', 'If it was started anew, open the address that it printed then.');
   }
 
   /** Says so when the present view's final picture lets one wait. */
@@ -196,7 +192,7 @@ export class App {
   sceneChanged(keys) {
     if (this.driving) this.sender.request();
     this.probing.hide();
-    this.changed = new Set([...(this.changed ?? []), ...keys]);
+    for (const key of keys) this.changed.add(key);
     this.redraw();
     clearTimeout(this.fragmentTimer);
     this.fragmentTimer = setTimeout(() => this.writeFragment(), fragmentWait);
@@ -227,7 +223,7 @@ export class App {
     if (!this.mayEdit()) return;
     this.commit();
     this.film.stop();
-    const state = again ? this.history.redo() : this.history.undo();
+    const state = this.history.step(again);
     if (state) this.scene.change(state);
     this.showUndo();
   }
@@ -251,9 +247,6 @@ export class App {
   }
   setProjection(perspective) {
     this.scene.change({ camera: { fov: perspective ? this.lastFov : 0, distance: 0 } });
-  }
-  toggleProjection() {
-    this.setProjection(this.scene.state.camera.fov === 0);
   }
   toggleShading() {
     this.scene.change({ shading: this.scene.state.shading === 'phong' ? 'none' : 'phong' });
@@ -328,8 +321,8 @@ export class App {
     this.redrawing = true;
     requestAnimationFrame(() => {
       this.redrawing = false;
-      const keys = this.changed ?? new Set();
-      this.changed = undefined;
+      const keys = this.changed;
+      this.changed = new Set();
       if (!this.scene.state) return;
       if (keys.has('transfer_function') || keys.has('isovalue')) this.transfer.refresh();
       if (keys.has('transfer_function')) this.labels.refresh();
@@ -363,11 +356,7 @@ export class App {
     try {
       await use(JSON.parse(await file.text()));
     } catch (error) {
-      this.complain(`${file.name} cannot be used: ${error.message}`, hint);
+      showError(`${file.name} cannot be used: ${error.message}`, hint);
     }
-  }
-
-  complain(message, hint) {
-    showError(message, hint);
   }
 }

@@ -2,7 +2,7 @@
 // fits the bounding sphere to the shorter side, pan in lengths of the shorter side.
 
 const degree = Math.PI / 180;
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const sum = (...terms) => [0, 1, 2].map((k) => terms.reduce((total, [s, v]) => total + s * v[k], 0));
 const length = (a) => Math.hypot(...a);
@@ -58,7 +58,7 @@ function turnTable(camera, right, down) {
 export const turning = { trackball: rollBall, turntable: turnTable };
 
 /** The same angle in -180 to 180. */
-export const wrapped = (angle) => angle - 360 * Math.round(angle / 360);
+const wrapped = (angle) => angle - 360 * Math.round(angle / 360);
 
 /**
  * Zooms and rolls about a fixed point of the picture and moves it: what a pinch does. All in lengths of the

@@ -1,16 +1,9 @@
 // The clip box: three double sliders with numbers, and handles at the middles of its faces on the picture.
 
-import { byId, clamp, element, onDrag } from './dom.js';
+import { byId, clamp, element, onDrag, onKeys } from './dom.js';
 import { settings } from './settings.js';
 
 const axes = ['x', 'y', 'z'], ends = ['from', 'to'];
-
-/** The box with one face elsewhere; it keeps a voxel at least and stays in the volume. */
-export function withFace(clip, axis, end, voxel, dims) {
-  const range = [...clip[axis]], place = Math.round(voxel);
-  range[end] = end === 0 ? clamp(place, 0, range[1] - 1) : clamp(place, range[0] + 1, dims[axis]);
-  return clip.with(axis, range);
-}
 
 export const wholeBox = (dims) => dims.map((n) => [0, n]);
 
@@ -41,10 +34,12 @@ export class ClipPanel {
     return this.app.scene.state.clip ?? wholeBox(this.app.volume.dims);
   }
 
+  /** Puts a face elsewhere; the box keeps a voxel at least and stays in the volume. */
   put(axis, end, voxel) {
-    const { dims } = this.app.volume;
-    if (Number.isFinite(voxel)) this.app.scene.change({ clip: withFace(this.clip, axis, end, voxel, dims) });
-    else this.refresh();
+    if (!Number.isFinite(voxel)) return void this.refresh();
+    const range = [...this.clip[axis]], place = Math.round(voxel), most = this.app.volume.dims[axis];
+    range[end] = end === 0 ? clamp(place, 0, range[1] - 1) : clamp(place, range[0] + 1, most);
+    this.app.scene.change({ clip: this.clip.with(axis, range) });
   }
 
   makeHandle(name, axis, end, k) {
@@ -60,14 +55,11 @@ export class ClipPanel {
         this.put(axis, k, from.voxel + along);
       },
     });
-    button.addEventListener('keydown', (event) => {
-      const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
-      if (!step || event.ctrlKey || event.altKey || event.metaKey) return;
-      event.preventDefault();
-      event.stopPropagation();
+    const shift = (by) => (event) => {
       this.app.sender.pulse();
-      this.put(axis, k, this.clip[axis][k] + step * (event.shiftKey ? 10 : 1));
-    });
+      this.put(axis, k, this.clip[axis][k] + by * (event.shiftKey ? 10 : 1));
+    };
+    onKeys(this.app, button, { ArrowRight: shift(1), ArrowUp: shift(1), ArrowLeft: shift(-1), ArrowDown: shift(-1) });
     byId('clip-handles').append(button);
     return button;
   }

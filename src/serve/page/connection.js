@@ -1,15 +1,13 @@
 // The WebSocket to the server: messages both ways, questions, and coming back after it was lost.
 
-const headBytes = 48, magic = 0x31505352;  // "RSP1"
+const headBytes = 48;
 export const kinds = { picture: 0, snapshot: 1, movie: 2 };
-export const formats = [['jpeg', 'image/jpeg'], ['png', 'image/png'], ['exr', 'image/x-exr'], ['mp4', 'video/mp4']];
+const formats = [['jpeg', 'image/jpeg'], ['png', 'image/png'], ['exr', 'image/x-exr'], ['mp4', 'video/mp4']];
 const firstWait = 250, longestWait = 8000;  // milliseconds before the next attempt
 
-/** The head of a binary message and the file that follows it. Null when it is not one of ours. */
-export function readBinary(buffer) {
-  const view = new DataView(buffer);
-  if (buffer.byteLength < headBytes || view.getUint32(0, true) !== magic) return null;
-  const [format, type] = formats[view.getUint8(23)] ?? ['bin', 'application/octet-stream'];
+/** The head of a binary message and the file that follows it. */
+function readBinary(buffer) {
+  const view = new DataView(buffer), [format, type] = formats[view.getUint8(23)];
   return {
     kind: view.getUint32(4, true), number: view.getUint32(8, true), seq: view.getUint32(12, true),
     width: view.getUint16(16, true), height: view.getUint16(18, true), level: view.getUint8(20),
@@ -87,11 +85,7 @@ export class Connection {
   }
 
   take(data) {
-    if (typeof data !== 'string') {
-      const head = readBinary(data);
-      if (head) this.handlers.binary(head);
-      return;
-    }
+    if (typeof data !== 'string') return void this.handlers.binary(readBinary(data));
     const message = JSON.parse(data);
     if (message.type === 'hello') {
       this.wait = firstWait;
@@ -116,37 +110,27 @@ export class Connection {
 
   // Questions to the server that are answered by one message with the same id.
 
-  newId() {
-    return this.nextId++;
-  }
-
   /** Resolves with the answer; rejects when the connection is lost or the asker gives up. */
   ask(message, signal) {
-    const id = message.id ?? this.newId();
+    const id = message.id ?? this.nextId++;
     return new Promise((resolve, reject) => {
-      if (signal?.aborted) return void reject(new Error('cancelled'));
-      const settle = (end) => (value) => {
-        this.waiting.delete(id);
-        signal?.removeEventListener('abort', onAbort);
-        end(value);
-      };
-      const onAbort = () => this.waiting.get(id)?.reject(new Error('cancelled'));
-      this.waiting.set(id, { resolve: settle(resolve), reject: settle(reject) });
-      signal?.addEventListener('abort', onAbort);
-      if (!this.send({ ...message, id })) this.waiting.get(id).reject(new Error('there is no connection'));
+      this.waiting.set(id, { resolve, reject });
+      signal?.addEventListener('abort', () => this.fail(id, 'cancelled'));
+      if (signal?.aborted) this.fail(id, 'cancelled');
+      else if (!this.send({ ...message, id })) this.fail(id, 'there is no connection');
     });
   }
 
   answer(id, value) {
     this.waiting.get(id)?.resolve(value);
+    this.waiting.delete(id);
   }
   /** True when somebody waited for it. */
   fail(id, message) {
-    const asker = this.waiting.get(id);
-    asker?.reject(new Error(message));
-    return asker !== undefined;
+    this.waiting.get(id)?.reject(new Error(message));
+    return this.waiting.delete(id);
   }
   failAll(message) {
-    for (const { reject } of [...this.waiting.values()]) reject(new Error(message));
+    for (const id of [...this.waiting.keys()]) this.fail(id, message);
   }
 }

@@ -1,9 +1,7 @@
 // The orientation cube: drawn from the camera; a click on a side looks at it.
 
-import { basisOf, sixViews } from './camera.js';
+import { basisOf, dot, sixViews } from './camera.js';
 import { byId, clamp, fitCanvas, themeColour } from './dom.js';
-
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 /** A side's outward normal is the direction to the viewer in its own view. */
 const sides = sixViews.map((view) => {

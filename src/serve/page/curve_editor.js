@@ -1,8 +1,8 @@
 // The two canvases of the transfer function's editor: opacity points over the histogram, and colour stops below.
 
-import { byId, clamp, cssColour, fitCanvas, onDrag, themeColour } from './dom.js';
+import { byId, clamp, cssColour, fitCanvas, onDrag, onKeys, themeColour } from './dom.js';
 import { settings } from './settings.js';
-import { canLose, colourAt, opacityAt, withPoint, withPointAt, withoutPoint } from './transfer_function.js';
+import { canLose, colourAt, opacityAt, withPoint, withPointAt } from './transfer_function.js';
 
 const near = 9, top = 10, bottom = 4, side = 8;  // pixels
 
@@ -17,7 +17,7 @@ export class CurveEditor {
       onDrag(app, canvas, { begin: (event) => this.take(event, canvas, which),
                             move: (event) => this.move(event, canvas), end: () => app.commit() });
       canvas.addEventListener('contextmenu', (event) => this.removeAt(event, canvas, which));
-      canvas.addEventListener('keydown', (event) => this.key(event, which));
+      onKeys(app, canvas, this.keys(which));
       new ResizeObserver(() => this.draw()).observe(canvas);
     }
   }
@@ -89,33 +89,29 @@ export class CurveEditor {
 
   remove(which = this.selected.which, index = this.selected.index) {
     if (!canLose(this.tf, which)) return;
-    this.app.transfer.edit(withoutPoint(this.tf, which, index), true);
+    this.app.transfer.edit({ ...this.tf, name: 'edited', [which]: this.tf[which].toSpliced(index, 1) }, true);
     this.select(which, Math.max(0, index - 1));
   }
 
-  key(event, which) {
-    if (event.ctrlKey || event.metaKey || event.altKey || !this.app.scene.state) return;
-    const [low, high] = this.range, fine = event.shiftKey ? 0.002 : 0.01;
-    const move = (values, opacities) => {
-      const [value, ...rest] = this.point;
+  keys(which) {
+    const chosen = (act) => (event) => {
+      if (this.selected.which !== which) this.select(which, 0);
+      act(event);
+    };
+    const move = (values, opacities) => chosen(({ shiftKey }) => {
+      const [low, high] = this.range, [value, ...rest] = this.point, fine = shiftKey ? 0.002 : 0.01;
       if (which === 'opacities') rest[0] += opacities * fine;
-      const { index } = this.selected;
+      const point = [value + values * fine * (high - low), ...rest];
       this.app.sender.pulse();
-      this.app.transfer.edit(withPointAt(this.tf, which, index, [value + values * fine * (high - low), ...rest]), true);
-    };
-    const acts = {
-      ArrowLeft: () => move(-1, 0), ArrowRight: () => move(1, 0),
-      ArrowUp: () => move(0, 1), ArrowDown: () => move(0, -1),
-      PageUp: () => this.select(which, this.selected.index - 1),
-      PageDown: () => this.select(which, this.selected.index + 1),
+      this.app.transfer.edit(withPointAt(this.tf, which, this.selected.index, point), true);
+    });
+    return {
+      ArrowLeft: move(-1, 0), ArrowRight: move(1, 0), ArrowUp: move(0, 1), ArrowDown: move(0, -1),
+      PageUp: chosen(() => this.select(which, this.selected.index - 1)),
+      PageDown: chosen(() => this.select(which, this.selected.index + 1)),
       Home: () => this.select(which, 0), End: () => this.select(which, Infinity),
-      Delete: () => this.remove(), Insert: () => this.addAfter(which, this.selected.index),
+      Delete: chosen(() => this.remove()), Insert: chosen(() => this.addAfter(which, this.selected.index)),
     };
-    if (!acts[event.key]) return;
-    event.preventDefault();
-    event.stopPropagation();
-    if (this.selected.which !== which) this.select(which, 0);
-    acts[event.key]();
   }
 
   /** Halfway to the next point. */

@@ -54,6 +54,16 @@ export function onDrag(app, target, { begin, move, end }) {
     });
 }
 
+/** Single keys of an element that has the focus: acts[key](event), which go no further. */
+export function onKeys(app, target, acts) {
+  target.addEventListener('keydown', (event) => {
+    if (!acts[event.key] || event.ctrlKey || event.altKey || event.metaKey || !app.scene.state) return;
+    event.preventDefault();
+    event.stopPropagation();
+    acts[event.key](event);
+  });
+}
+
 /** Sizes a canvas to its place in device pixels; gives a context whose unit is a CSS pixel. */
 export function fitCanvas(canvas) {
   const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;

@@ -3,6 +3,7 @@
 import { byId, download, element, fileStem } from './dom.js';
 import { checkedState } from './scene.js';
 import { sceneAt } from './spline.js';
+import { showError } from './status.js';
 import { mostMembers, zip } from './zip.js';
 
 export class FilmPanel {
@@ -14,7 +15,7 @@ export class FilmPanel {
     byId('add-key').addEventListener('click', () => this.add());
     byId('play').addEventListener('click', () => this.play());
     byId('clear-keys').addEventListener('click', () => this.set([]));
-    byId('render-film').addEventListener('click', () => (this.job ? this.cancel() : this.render()));
+    byId('render-film').addEventListener('click', () => (this.job ? this.job.abort() : this.render()));
     this.set([]);
   }
 
@@ -98,10 +99,6 @@ export class FilmPanel {
     this.app.sender.release();
   }
 
-  cancel() {
-    this.job?.abort();
-  }
-
   begin(ffmpeg) {
     byId('film-format').replaceChildren(element('option', { value: 'zip' }, 'PNGs (ZIP)'),
                                         ...(ffmpeg ? [element('option', { value: 'mp4' }, 'MP4')] : []));
@@ -112,7 +109,7 @@ export class FilmPanel {
     const width = byId('film-width').valueAsNumber, height = byId('film-height').valueAsNumber;
     const count = Math.round((this.frames.length - 1) * this.secondsEach * this.rate) + 1;
     if (!(width > 0 && height > 0) || count > mostMembers)
-      return void this.app.complain('The film cannot be rendered.', `Give a size, and at most ${mostMembers} frames.`);
+      return void showError('The film cannot be rendered.', `Give a size, and at most ${mostMembers} frames.`);
     this.stop();
     this.job = new AbortController();
     byId('render-film').textContent = 'Cancel';
@@ -124,7 +121,7 @@ export class FilmPanel {
       this.say(`${count} frames rendered`);
     } catch (error) {
       this.say(this.job.signal.aborted ? 'cancelled' : '');
-      if (!this.job.signal.aborted) this.app.complain(`The film was not rendered: ${error.message}`);
+      if (!this.job.signal.aborted) showError(`The film was not rendered: ${error.message}`);
     }
     this.job = null;
     byId('render-film').textContent = 'Render';
@@ -155,7 +152,7 @@ export class FilmPanel {
 
   /** The server keeps the frames and answers the last one with the film. */
   async movie(width, height, count) {
-    const id = this.app.connection.newId(), question = { type: 'movie_frame', id, count, fps: this.rate, width, height };
+    const id = this.app.connection.nextId++, question = { type: 'movie_frame', id, count, fps: this.rate, width, height };
     try {
       for await (const { blob } of this.answers(count, question)) if (blob) return blob;
       throw new Error('the server sent no film');

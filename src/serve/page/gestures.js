@@ -62,11 +62,8 @@ export class Gestures {
 
   up(event) {
     if (!this.fingers.delete(event.pointerId)) return;
-    if (this.fingers.size > 0) {
-      this.mode = null;  // the finger that stays does not turn the volume
-      return;
-    }
-    this.mode = null;
+    this.mode = null;  // a finger that stays does not turn the volume
+    if (this.fingers.size > 0) return;
     this.canvas.classList.remove('busy');
     this.app.sender.release();
   }

@@ -28,14 +28,9 @@ export class History {
   replace(state) {
     this.present = partOf(state);
   }
-  undo() {
-    return this.step(this.past, this.future);
-  }
-  redo() {
-    return this.step(this.future, this.past);
-  }
-  /** The part of the scene to show; null where there is none. */
-  step(from, to) {
+  /** Undoes a step, or does it again: the part of the scene to show; null where there is none. */
+  step(again) {
+    const [from, to] = again ? [this.future, this.past] : [this.past, this.future];
     if (!from.length) return null;
     to.push(this.present);
     return (this.present = from.pop());

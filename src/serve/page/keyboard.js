@@ -36,7 +36,7 @@ function actions(app) {
     ['.', 'roll to the right', () => camera((c) => movePicture(c, { roll: rollStep }))],
     ['r', 'reset the camera', () => app.resetCamera()],
     ...sixViews.map((view, i) => [String(i + 1), `from the ${view.name.toLowerCase()}`, () => app.lookFrom(view)]),
-    ['p', 'orthographic or perspective', () => app.toggleProjection()],
+    ['p', 'orthographic or perspective', () => app.setProjection(app.scene.state.camera.fov === 0)],
     ['t', 'trackball or turntable',
      () => set({ turning: settings.turning === 'trackball' ? 'turntable' : 'trackball' })],
     ['w', 'narrower window', () => transfer(1 / 1.05, 0)],

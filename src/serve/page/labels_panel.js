@@ -6,7 +6,7 @@ import { colourAt, opacityAt } from './transfer_function.js';
 const seenOpacity = 0.9;
 
 /** Labels' opacities and colours up to half-way to the next whole numbers; all else is transparent. */
-export function labelFunction(labels) {
+function labelFunction(labels) {
   const colours = [], opacities = [];
   let end = null;
   for (const { value, colour, opacity } of labels) {

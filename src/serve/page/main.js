@@ -4,7 +4,6 @@ import { App } from './app.js';
 import { letters } from './cube.js';
 
 const app = new App();
-app.start();
 
 window.ringsplat = Object.freeze({
   get state() { return structuredClone(app.scene.state); },

@@ -30,13 +30,6 @@ function strokeTwice(context, colours) {
   context.stroke();
 }
 
-/** The length of 1, 2 or 5 times a power of ten that takes at most `most` pixels. */
-export function scaleBar(pixelsPerUnit, most) {
-  const span = most / pixelsPerUnit, power = 10 ** Math.floor(Math.log10(span));
-  const length = power * [5, 2, 1].find((factor) => factor * power <= span * (1 + 1e-9));
-  return { length, pixels: length * pixelsPerUnit };
-}
-
 function drawScaleBar(context, colours, { bar, unit, perspective, height }) {
   const y = height - foot - 8, right = margin + bar.pixels;
   context.beginPath();
@@ -108,7 +101,9 @@ export function drawOverlay({ state, volume, seen, cross }) {
   let bar = null;
   if (state.clip && settings.box) drawBox(context, colours, state.clip, (p) => seen.project(p).slice(0, 2));
   if (settings.scale) {
-    bar = scaleBar(seen.pixelsPerUnit, clamp(width * 0.25, 60, 200));
+    // Round numbers have round inverses: this is the longest round length that fits.
+    const length = 1 / niceStep(seen.pixelsPerUnit, clamp(width * 0.25, 60, 200));
+    bar = { length, pixels: length * seen.pixelsPerUnit };
     drawScaleBar(context, colours, { bar, unit: volume.unit, perspective: state.camera.fov > 0, height });
   }
   if (settings.colours && !volume.labels.length)

@@ -1,6 +1,7 @@
 // The value under the cursor: a cross on the picture, a note beside it, and words for screen readers.
 
 import { byId, clamp, show } from './dom.js';
+import { showError } from './status.js';
 
 export class Probe {
   constructor(app) {
@@ -25,7 +26,7 @@ export class Probe {
       const answer = await this.app.connection.ask({ type: 'probe', x: pixel[0], y: pixel[1] });
       if (asked === this.asked) this.show(answer);
     } catch (error) {
-      if (asked === this.asked) this.app.complain(`The value could not be asked for: ${error.message}`);
+      if (asked === this.asked) showError(`The value could not be asked for: ${error.message}`);
     }
   }
 

@@ -2,6 +2,7 @@
 
 import { byId, download, fileStem } from './dom.js';
 import { checkedState } from './scene.js';
+import { showError } from './status.js';
 
 export class SnapshotPanel {
   constructor(app) {
@@ -21,8 +22,7 @@ export class SnapshotPanel {
   }
 
   begin(largest) {
-    for (const [id, most] of [['snapshot-width', largest[0]], ['snapshot-height', largest[1]],
-                              ['film-width', largest[0]], ['film-height', largest[1]]]) byId(id).max = most;
+    for (const what of ['snapshot', 'film']) [byId(`${what}-width`).max, byId(`${what}-height`).max] = largest;
     if (!byId('snapshot-width').value) this.takeWindowSize();
   }
 
@@ -30,7 +30,7 @@ export class SnapshotPanel {
     const width = byId('snapshot-width').valueAsNumber, height = byId('snapshot-height').valueAsNumber;
     const valid = ['snapshot-width', 'snapshot-height'].every((id) => byId(id).checkValidity());
     if (!valid || !(width > 0 && height > 0))
-      return void this.app.complain('A picture cannot have this size.',
+      return void showError('A picture cannot have this size.',
                                `At most ${this.app.hello.largest.join(' × ')} pixels.`);
     const format = byId('snapshot-format').value, button = byId('snapshot');
     button.disabled = true;
@@ -42,7 +42,7 @@ export class SnapshotPanel {
       byId('snapshot-words').textContent = 'saved';
     } catch (error) {
       byId('snapshot-words').textContent = '';
-      this.app.complain(`The picture was not saved: ${error.message}`);
+      showError(`The picture was not saved: ${error.message}`);
     }
     button.disabled = false;
   }
@@ -64,7 +64,7 @@ export class SnapshotPanel {
       await navigator.clipboard.writeText(location.href);
       button.textContent = 'Copied';
     } catch {
-      this.app.complain('The link could not be copied.', 'Copy it from the address bar.');
+      showError('The link could not be copied.', 'Copy it from the address bar.');
     }
     setTimeout(() => (button.textContent = 'Copy link'), 1500);
   }

@@ -80,11 +80,6 @@ export class Stage {
     if (this.sent.size > mostRemembered) this.sent.delete(this.sent.keys().next().value);
   }
 
-  /** The frame of the series that a view showed. */
-  frameOf(seq) {
-    return this.sent.get(seq)?.frame;
-  }
-
   /** Numbers of views begin anew: another page drives, or the connection is new. */
   forget() {
     this.sent.clear();
@@ -115,10 +110,8 @@ export class Stage {
     const asked = this.sent.get(head.seq) ?? { camera: null, width: head.width, height: head.height };
     const own = !this.view().driving || this.sent.has(head.seq);
     this.shown = { ...asked, bitmap, seq: own ? head.seq : -1, level: head.level };
-    const { seq, level, levels, atRest, bytes, error, seconds, rate, width, height } = head;
-    const now = performance.now();
-    this.list.push({ seq, level, levels, atRest, bytes, error, seconds, rate, width, height, at: now,
-                     latency: now - head.time });
+    const { blob, ...facts } = head, now = performance.now();
+    this.list.push({ ...facts, at: now, latency: now - head.time });
     if (this.list.length > mostRemembered) this.list.shift();
     this.draw();
     this.onShown(this.list.at(-1));

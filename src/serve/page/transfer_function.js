@@ -38,10 +38,6 @@ export function withPoint(tf, which, point) {
 
 export const canLose = (tf, which) => tf[which].length > fewest;
 
-export function withoutPoint(tf, which, index) {
-  return canLose(tf, which) ? { ...tf, name: 'edited', [which]: tf[which].toSpliced(index, 1) } : tf;
-}
-
 /** Puts a point elsewhere, but never past its neighbours. */
 export function withPointAt(tf, which, index, point) {
   const points = tf[which];

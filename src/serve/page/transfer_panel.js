@@ -11,17 +11,16 @@ export class TransferPanel {
   constructor(app) {
     this.app = app;
     this.editor = new CurveEditor(app, () => this.refresh());
-    const put = (change) => {
+    const put = (change, whole = true) => {
       const { which, index } = this.editor.selected;
-      this.edit(withPointAt(this.tf, which, index, change(this.editor.point)), true);
+      this.edit(withPointAt(this.tf, which, index, change(this.editor.point)), whole);
     };
     const refresh = () => this.refresh();
     onNumber(byId('point-value'), (value) => put((p) => p.with(0, value)), refresh);
     onNumber(byId('point-opacity'), (opacity) => put((p) => p.with(1, opacity)), refresh);
     byId('point-colour').addEventListener('input', ({ target }) => {
       app.sender.pulse();
-      const { index } = this.editor.selected;
-      this.edit(withPointAt(this.tf, 'colours', index, [this.editor.point[0], ...fromHex(target.value)]));
+      put(([value]) => [value, ...fromHex(target.value)], false);
     });
     byId('point-colour').addEventListener('change', () => app.commit());
     byId('point-delete').addEventListener('click', () => this.editor.remove());
@@ -41,7 +40,12 @@ export class TransferPanel {
       const preset = this.presets.find(({ name }) => name === target.value);
       if (preset) this.edit({ name: preset.name, ...preset.transfer_function }, true);
     });
-    byId('mode').addEventListener('change', ({ target }) => this.setMode(target.value));
+    // Each mode has a function of its own, which it gets back.
+    byId('mode').addEventListener('change', ({ target: { value: mode } }) => {
+      this.functions[app.scene.state.mode] = this.tf;
+      app.scene.change({ mode, transfer_function: this.functions[mode] });
+      app.commit();
+    });
     onNumber(byId('isovalue'), (isovalue) => {
       app.scene.change({ isovalue });
       app.commit();
@@ -62,13 +66,6 @@ export class TransferPanel {
     byId('modes').hidden = Object.keys(this.functions).length === 0;
     byId('presets').replaceChildren(element('option', { value: '' }, '–'),
                                     ...this.presets.map(({ name }) => element('option', { value: name }, name)));
-  }
-
-  /** Each mode has a function of its own, which it gets back. */
-  setMode(mode) {
-    this.functions[this.app.scene.state.mode] = this.tf;
-    this.app.scene.change({ mode, transfer_function: this.functions[mode] });
-    this.app.commit();
   }
 
   /** Shows an edit; `whole` ones are steps of undo by themselves. */

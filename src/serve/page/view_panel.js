@@ -1,22 +1,20 @@
 // Camera, light, shading and background by fields.
 
 import { sixViews } from './camera.js';
-import { byId, clamp, element, fitCanvas, fromHex, onDrag, onNumber, show, themeColour, toHex } from './dom.js';
+import { byId, clamp, element, fitCanvas, fromHex, onDrag, onKeys, onNumber, show, themeColour, toHex } from './dom.js';
 import { onSettings } from './settings.js';
 
-const fields = {
-  azimuth: (c, v) => ({ ...c, azimuth: v }), elevation: (c, v) => ({ ...c, elevation: v }),
-  roll: (c, v) => ({ ...c, roll: v }), zoom: (c, v) => ({ ...c, zoom: v }),
-  'pan-right': (c, v) => ({ ...c, pan: [v, c.pan[1]] }), 'pan-down': (c, v) => ({ ...c, pan: [c.pan[0], v] }),
-};
+const cameraFields = ['azimuth', 'elevation', 'roll', 'zoom'], panFields = ['pan-right', 'pan-down'];
 const lightFields = ['light-right', 'light-up', 'light-front'];
 
 export class ViewPanel {
   constructor(app) {
     this.app = app;
     const refresh = () => this.refresh();
-    for (const [id, put] of Object.entries(fields))
-      onNumber(byId(id), (value) => app.scene.change({ camera: put(app.scene.state.camera, value) }), refresh);
+    for (const id of cameraFields)
+      onNumber(byId(id), (value) => app.scene.change({ camera: { [id]: value } }), refresh);
+    panFields.forEach((id, k) => onNumber(byId(id), (value) =>
+      app.scene.change({ camera: { pan: app.scene.state.camera.pan.with(k, value) } }), refresh));
     byId('reset').addEventListener('click', () => app.resetCamera());
     for (const radio of document.getElementsByName('projection'))
       radio.addEventListener('change', () => app.setProjection(radio.value === 'perspective'));
@@ -50,16 +48,16 @@ export class ViewPanel {
     const { state } = this.app.scene;
     if (!state) return;
     const { camera, light } = state;
-    const values = { azimuth: camera.azimuth, elevation: camera.elevation, roll: camera.roll, zoom: camera.zoom,
-                     'pan-right': camera.pan[0], 'pan-down': camera.pan[1] };
-    for (const [id, value] of Object.entries(values)) byId(id).value = Number(value.toFixed(3));
+    const put = (id, value) => (byId(id).value = Number(value.toFixed(3)));
+    for (const id of cameraFields) put(id, camera[id]);
+    panFields.forEach((id, k) => put(id, camera.pan[k]));
+    lightFields.forEach((id, k) => put(id, light[k]));
     for (const radio of document.getElementsByName('projection'))
       radio.checked = (radio.value === 'perspective') === camera.fov > 0;
     byId('fov').value = show(camera.fov > 0 ? camera.fov : this.app.lastFov);
     byId('fov').disabled = !(camera.fov > 0);
     byId('shading').checked = state.shading === 'phong';
     byId('background').value = toHex(state.background);
-    lightFields.forEach((id, k) => (byId(id).value = Number(light[k].toFixed(3))));
     this.drawPad();
   }
 
@@ -70,15 +68,13 @@ export class ViewPanel {
       this.aim((event.clientX - box.left - box.width / 2) / half, -(event.clientY - box.top - box.height / 2) / half);
     };
     onDrag(this.app, pad, { begin: take, move: take });
-    pad.addEventListener('keydown', (event) => {
-      const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
-      if (!step || event.ctrlKey || event.altKey || event.metaKey) return;
-      event.preventDefault();
-      event.stopPropagation();
+    const move = (right, up) => () => {
       const [x, y] = this.unitLight();
       this.app.sender.pulse();
-      this.aim(x + step[0], y + step[1]);
-    });
+      this.aim(x + right, y + up);
+    };
+    onKeys(this.app, pad, { ArrowLeft: move(-0.1, 0), ArrowRight: move(0.1, 0), ArrowUp: move(0, 0.1),
+                            ArrowDown: move(0, -0.1) });
   }
 
   unitLight() {
