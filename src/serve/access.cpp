@@ -11,11 +11,6 @@
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::serve {
-namespace {
-
-constexpr std::string_view token_prefix = "token.";
-
-}  // namespace
 
 std::string make_token() {
   std::array<unsigned char, 16> bits{};
@@ -68,6 +63,7 @@ bool Access::is_token(std::string_view text) const {
 }
 
 bool Access::may_connect(std::string_view offered) const {
+  constexpr std::string_view token_prefix = "token.";
   bool speaks = false, knows = false;
   for (const auto& item : boost::beast::http::token_list({offered.data(), offered.size()})) {
     const std::string_view word(item.data(), item.size());

@@ -1,20 +1,45 @@
 #pragma once
+#include <algorithm>
+#include <chrono>
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
-#include "serve/web_server.hpp"
+#include "serve/picture_maker.hpp"
+#include "serve/viewer_texts.hpp"
 
 namespace ringsplat::serve {
 
-/// Who is connected, who drives, and which pictures each has not yet acknowledged. The first to come drives;
-/// when it goes the one that has been here longest does. Not for several threads at once.
+/// What reaches a client.
+struct Outlet {
+  std::function<void(ClientId, std::string text)> text;
+  std::function<void(ClientId, std::shared_ptr<const std::string> bytes)> binary;
+};
+
+/// A picture's message, and what it shows.
+struct SentPicture {
+  std::shared_ptr<const std::string> message;
+  PictureHead head;
+  SceneState state;
+  std::uint64_t scene = 0;  ///< the same for pictures of the same view in the same size
+};
+
+/// Who is connected, and who drives: the first to come does, and when it goes the one that has been here
+/// longest. Sends them texts and pictures, as fast as each acknowledges them. Not for several threads at
+/// once.
 class Audience {
  public:
   /// Pictures that a client may have unacknowledged.
   static constexpr int most_unacknowledged = 2;
+
+  explicit Audience(Outlet outlet) : outlet_(std::move(outlet)) {}
 
   void add(ClientId client) {
     members_[client];
@@ -32,56 +57,71 @@ class Audience {
 
   bool drives(ClientId client) const { return driver_ == client; }
   int size() const { return int(members_.size()); }
-  std::vector<ClientId> all() const {
-    return those([](const Member&) { return true; });
-  }
-
   /// The driver's; most_unacknowledged when there is none.
   int unacknowledged() const {
     return driver_ ? int(members_.at(*driver_).unacknowledged.size()) : most_unacknowledged;
   }
-  void sent(ClientId client, std::uint32_t picture) {
-    if (const auto found = members_.find(client); found != members_.end())
-      found->second.unacknowledged.insert(found->second.last = picture);
+  /// The picture that was shown last.
+  const std::optional<SentPicture>& last() const { return last_; }
+
+  void say(const std::string& text) const {
+    for (const auto& [client, member] : members_) outlet_.text(client, text);
   }
+  void say_who_drives() const {
+    for (const auto& [client, member] : members_) outlet_.text(client, driver_text(drives(client), size()));
+  }
+
+  /// Numbers a picture and sends it to all who can take one.
+  void show(SentPicture&& picture) {
+    picture.head.number = last_ ? last_->head.number + 1 : 1;
+    picture.head.pictures_a_second = pictures_a_second();
+    picture.message = std::make_shared<const std::string>(with_head(*picture.message, picture.head));
+    last_ = std::move(picture);
+    for (const auto& [client, member] : members_) catch_up(client);
+  }
+  /// A client can take another picture. One that could not take the last, as it is slow, gets it now.
   void acknowledge(ClientId client, std::uint32_t picture) {
     if (const auto found = members_.find(client); found != members_.end())
       found->second.unacknowledged.erase(picture);
+    catch_up(client);
   }
-  /// Those that can take another picture.
-  std::vector<ClientId> takers() const { return those(can_take); }
-  /// True when a client can take a picture and was not yet sent that one or a later one.
-  bool lacks(ClientId client, std::uint32_t picture) const {
+  /// Sends the last picture to a client that lacks it and can take it; watchers are told before what it
+  /// shows.
+  void catch_up(ClientId client) {
     const auto found = members_.find(client);
-    return found != members_.end() && found->second.last < picture && can_take(found->second);
-  }
-  /// True once for each scene: a watcher must be told of it before it is shown.
-  bool must_learn(ClientId client, std::uint64_t scene) {
-    const auto found = members_.find(client);
-    if (found == members_.end() || found->second.scene == scene) return false;
-    found->second.scene = scene;
-    return client != driver_;
+    if (!last_ || found == members_.end()) return;
+    Member& member = found->second;
+    if (member.last == last_->head.number || int(member.unacknowledged.size()) >= most_unacknowledged) return;
+    member.last = last_->head.number;
+    member.unacknowledged.insert(member.last);
+    const bool told = std::exchange(member.scene, last_->scene) == last_->scene;
+    if (!told && !drives(client)) outlet_.text(client, state_text(last_->state));
+    outlet_.binary(client, last_->message);
   }
 
  private:
   struct Member {
     std::set<std::uint32_t> unacknowledged;
     std::uint32_t last = 0;   ///< picture that it was sent
-    std::uint64_t scene = 0;  ///< that it was last told of
+    std::uint64_t scene = 0;  ///< of that picture
   };
+  using Clock = std::chrono::steady_clock;
 
-  static bool can_take(const Member& member) {
-    return int(member.unacknowledged.size()) < most_unacknowledged;
-  }
-  std::vector<ClientId> those(bool (*wanted)(const Member&)) const {
-    std::vector<ClientId> clients;
-    for (const auto& [client, member] : members_)
-      if (wanted(member)) clients.push_back(client);
-    return clients;
+  /// Of the last second, the one that is shown now included.
+  float pictures_a_second() {
+    const auto now = Clock::now();
+    shown_.push_back(now);
+    while (now - shown_.front() > std::chrono::seconds(1)) shown_.pop_front();
+    if (shown_.size() < 2) return 0;
+    const std::chrono::duration<float> span = now - shown_.front();
+    return float(shown_.size() - 1) / std::max(span.count(), 1e-3F);
   }
 
+  Outlet outlet_;
   std::map<ClientId, Member> members_;  ///< in the order in which they came
   std::optional<ClientId> driver_;
+  std::optional<SentPicture> last_;
+  std::deque<Clock::time_point> shown_;
 };
 
 }  // namespace ringsplat::serve

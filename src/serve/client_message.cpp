@@ -60,47 +60,35 @@ glm::dvec3 vector_from(const json& j, const std::string& name, double low, doubl
 
 Camera camera_from(const json& j, Camera c) {
   if (!j.is_object()) throw InputError("camera must be an object");
-  const auto set = [&](const char* name, double& value, double low, double high) {
-    if (const auto found = j.find(name); found != j.end()) value = number_from(*found, name, low, high);
-  };
-  set("azimuth", c.azimuth, -1e6, 1e6);
-  set("elevation", c.elevation, -1e6, 1e6);
-  set("roll", c.roll, -1e6, 1e6);
-  set("zoom", c.zoom, 1e-6, 1e6);
-  set("fov", c.fov, 0, 179);
-  set("distance", c.distance, 0, 1e5);
-  if (const auto pan = j.find("pan"); pan != j.end()) {
-    list_from(*pan, "pan", 2, 2);
-    for (std::size_t k = 0; k < 2; ++k) c.pan[k] = number_from((*pan)[k], "pan", -1e6, 1e6);
-  }
+  c.azimuth = number(j, "azimuth", -1e6, 1e6);
+  c.elevation = number(j, "elevation", -1e6, 1e6);
+  c.roll = number(j, "roll", -1e6, 1e6);
+  c.zoom = number(j, "zoom", 1e-6, 1e6);
+  c.fov = number(j, "fov", 0, 179);
+  c.distance = number(j, "distance", 0, 1e5);
+  const json& pan = list_from(member(j, "pan"), "pan", 2, 2);
+  for (std::size_t k = 0; k < 2; ++k) c.pan[k] = number_from(pan[k], "pan", -1e6, 1e6);
   return c;
-}
-
-std::string name_from(const json& j) {
-  if (!j.is_string() || j.get_ref<const std::string&>().size() > longest_name)
-    throw InputError(fmt::format("name must be a text of at most {} bytes", longest_name));
-  return j.get<std::string>();
 }
 
 TransferFunction transfer_function_from(const json& j, TransferFunction tf) {
   if (!j.is_object()) throw InputError("transfer_function must be an object");
-  if (const auto found = j.find("name"); found != j.end()) tf.name = name_from(*found);
-  if (const auto found = j.find("colours"); found != j.end()) {
-    tf.colours.clear();
-    for (const json& point : list_from(*found, "colours", 2, most_points)) {
-      list_from(point, "a colour", 4, 4);
-      glm::dvec3 srgb;
-      for (int k = 0; k < 3; ++k) srgb[k] = number_from(point[std::size_t(k) + 1], "a colour", 0, 1);
-      tf.colours.push_back({number_from(point[0], "a colour's value", -any, any), srgb});
-    }
+  const json& name = member(j, "name");
+  if (!name.is_string() || name.get_ref<const std::string&>().size() > longest_name)
+    throw InputError(fmt::format("name must be a text of at most {} bytes", longest_name));
+  tf.name = name.get<std::string>();
+  tf.colours.clear();
+  tf.opacities.clear();
+  for (const json& point : list_from(member(j, "colours"), "colours", 2, most_points)) {
+    list_from(point, "a colour", 4, 4);
+    glm::dvec3 srgb;
+    for (int k = 0; k < 3; ++k) srgb[k] = number_from(point[std::size_t(k) + 1], "a colour", 0, 1);
+    tf.colours.push_back({number_from(point[0], "a colour's value", -any, any), srgb});
   }
-  if (const auto found = j.find("opacities"); found != j.end()) {
-    tf.opacities.clear();
-    for (const json& point : list_from(*found, "opacities", 2, most_points)) {
-      list_from(point, "an opacity", 2, 2);
-      tf.opacities.push_back({number_from(point[0], "an opacity's value", -any, any),
-                              number_from(point[1], "an opacity", 0, 1)});
-    }
+  for (const json& point : list_from(member(j, "opacities"), "opacities", 2, most_points)) {
+    list_from(point, "an opacity", 2, 2);
+    tf.opacities.push_back(
+        {number_from(point[0], "an opacity's value", -any, any), number_from(point[1], "an opacity", 0, 1)});
   }
   check(tf, "transfer_function");
   return tf;
@@ -133,8 +121,7 @@ json parsed(std::string_view text) {
 }
 
 SceneState scene_of(const json& message, const MessageRules& rules) {
-  const auto state = message.find("state");
-  SceneState scene = state == message.end() ? rules.initial : scene_from(*state, rules);
+  SceneState scene = scene_from(message.value("state", json::object()), rules);
   const auto most = static_cast<std::uint32_t>(rules.largest_side);
   scene.shown.width = static_cast<int>(whole(message, "width", 1, most));
   scene.shown.height = static_cast<int>(whole(message, "height", 1, most));
@@ -214,27 +201,23 @@ Mode mode_from(const json& j) {
 
 SceneState scene_from(const json& j, const MessageRules& rules) {
   if (!j.is_object()) throw InputError("state must be an object");
+  json state = to_json(rules.initial);
+  state.merge_patch(j);
   SceneState scene = rules.initial;
-  if (j.contains("frame"))
-    scene.frame = static_cast<int>(whole(j, "frame", 0, static_cast<std::uint32_t>(rules.frames - 1)));
-  if (const auto found = j.find("camera"); found != j.end())
-    scene.shown.camera = camera_from(*found, scene.shown.camera);
-  if (const auto found = j.find("transfer_function"); found != j.end())
-    scene.shown.transfer_function = transfer_function_from(*found, scene.shown.transfer_function);
-  if (const auto found = j.find("mode"); found != j.end()) scene.shown.mode = mode_from(*found);
-  if (j.contains("isovalue")) scene.shown.isovalue = number(j, "isovalue", -any, any);
-  if (const auto found = j.find("shading"); found != j.end()) {
-    if (*found != "phong" && *found != "none") throw InputError("shading must be phong or none");
-    scene.shown.shading = *found == "phong" ? Shading::phong : Shading::none;
-  }
-  if (const auto found = j.find("light"); found != j.end())
-    scene.shown.light = vector_from(*found, "light", -1e6, 1e6);
-  if (const auto found = j.find("clip"); found != j.end()) {
-    scene.shown.clip.reset();
-    if (!found->is_null()) scene.shown.clip = box_from(*found, rules.dims);
-  }
-  if (const auto found = j.find("background"); found != j.end())
-    scene.background = vector_from(*found, "background", 0, 1);
+  Shown& shown = scene.shown;
+  scene.frame = static_cast<int>(whole(state, "frame", 0, static_cast<std::uint32_t>(rules.frames - 1)));
+  shown.camera = camera_from(member(state, "camera"), shown.camera);
+  shown.transfer_function =
+      transfer_function_from(member(state, "transfer_function"), shown.transfer_function);
+  shown.mode = mode_from(member(state, "mode"));
+  shown.isovalue = number(state, "isovalue", -any, any);
+  const json& shading = member(state, "shading");
+  if (shading != "phong" && shading != "none") throw InputError("shading must be phong or none");
+  shown.shading = shading == "phong" ? Shading::phong : Shading::none;
+  shown.light = vector_from(member(state, "light"), "light", -1e6, 1e6);
+  shown.clip.reset();
+  if (const json clip = state.value("clip", json()); !clip.is_null()) shown.clip = box_from(clip, rules.dims);
+  scene.background = vector_from(member(state, "background"), "background", 0, 1);
   return scene;
 }
 

@@ -8,7 +8,6 @@
 #include <variant>
 
 #include "ringsplat/frame/frame_spec.hpp"
-#include "serve/movie.hpp"
 
 /// What pages send (docs/viewer.md has the formats).
 namespace ringsplat::serve {
@@ -45,6 +44,13 @@ struct ProbeMessage {
 struct MapMessage {
   std::uint32_t id = 0;
   TransferFunction transfer_function;
+};
+/// What all frames of a movie have in common.
+struct MoviePlan {
+  int count = 1;                ///< of frames
+  double frames_a_second = 25;  ///< that it is shown with
+  int width = 0, height = 0;
+  bool operator==(const MoviePlan&) const = default;
 };
 struct MovieFrame {
   int index = 0;

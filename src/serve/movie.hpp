@@ -1,22 +1,25 @@
 #pragma once
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <optional>
 #include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
 
+#include "base/child_program.hpp"
 #include "ringsplat/base/bytes.hpp"
+#include "ringsplat/base/error.hpp"
+#include "serve/client_message.hpp"
 #include "serve/private_folder.hpp"
 
 namespace ringsplat::serve {
-
-/// What all frames of a movie have in common.
-struct MoviePlan {
-  int count = 1;                ///< of frames
-  double frames_a_second = 25;  ///< that it is shown with
-  int width = 0, height = 0;
-  bool operator==(const MoviePlan&) const = default;
-};
 
 /// A movie that is being made: its frames as PNGs in a folder of its own, which nobody else can read and
 /// which is gone with this object, until ffmpeg makes a file of them. add() and encode() for one thread at a
@@ -26,25 +29,91 @@ class Movie {
   using Clock = std::chrono::steady_clock;
 
   /// Makes the folder, below TMPDIR. Throws RunError when it cannot.
-  Movie(std::filesystem::path ffmpeg, const MoviePlan& plan);
+  Movie(std::filesystem::path ffmpeg, const MoviePlan& plan)
+      : ffmpeg_(std::move(ffmpeg)), plan_(plan), folder_("movie") {
+    std::error_code error;
+    const auto space = std::filesystem::space(folder(), error);
+    bytes_left_ = error ? most_frame_bytes : std::min(most_frame_bytes, space.available / 2);
+  }
 
   const MoviePlan& plan() const { return plan_; }
   const std::filesystem::path& folder() const { return folder_.path(); }
 
   /// Keeps frame `index`. Throws RunError when the disk is full, or its share of it.
-  void add(int index, const Bytes& png);
+  void add(int index, const Bytes& png) {
+    if (png.size() > bytes_left_)
+      throw RunError("the movie's frames take too much of the disk", "make it smaller or shorter");
+    bytes_left_ -= png.size();
+    std::ofstream file(folder() / fmt::format("{:05}.png", index), std::ios::binary);
+    file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
+    file.close();
+    if (!file)
+      throw RunError(fmt::format("frame {} of the movie cannot be written; is the disk full?", index),
+                     "set TMPDIR to a folder with room");
+  }
   /// The MP4 of all frames: H.264 if ffmpeg has libx264, else MPEG-4; 4:2:0, so with an even width and
   /// height: a black row or column is added where they are not. Throws RunError when ffmpeg fails or takes
   /// until the deadline.
-  std::string encode(Clock::time_point deadline);
+  std::string encode(Clock::time_point deadline) {
+    std::optional<int> code;
+    for (const Arguments& codec : {Arguments{"-c:v", "libx264", "-crf", "18", "-preset", "medium"},
+                                   Arguments{"-c:v", "mpeg4", "-q:v", "2"}}) {  // best first
+      code = run_program(ffmpeg_, arguments_for(codec), folder(), deadline, cancelled_);
+      if (!code || code == 0) break;
+    }
+    if (!code)
+      throw RunError(cancelled_ ? "the movie was cancelled" : "ffmpeg did not finish the movie in time",
+                     "make it smaller or shorter");
+    if (code != 0) throw RunError(fmt::format("ffmpeg failed with exit code {}", *code));
+    return read_back();
+  }
   /// What a movie of that many pixels may take to encode.
-  std::chrono::milliseconds patience() const;
+  std::chrono::milliseconds patience() const {
+    const double megapixels = 1e-6 * plan_.count * plan_.width * plan_.height;
+    const double seconds = std::min(60 + 0.5 * megapixels, 3600.0);
+    return std::chrono::milliseconds(static_cast<long>(1e3 * seconds));
+  }
 
   /// Ends encode() soon; for any thread.
   void cancel() { cancelled_ = true; }
   bool cancelled() const { return cancelled_; }
 
  private:
+  using Arguments = std::vector<std::string>;
+
+  static constexpr std::uintmax_t most_frame_bytes = std::uintmax_t{8} << 30;  // of one movie
+  static constexpr std::uintmax_t most_movie_bytes = std::uintmax_t{256} << 20;
+  static constexpr const char* movie_name = "movie.mp4";
+  static constexpr const char* frame_names = "%05d.png";
+
+  Arguments arguments_for(const Arguments& codec) const {
+    Arguments all{"-nostdin", "-loglevel", "quiet", "-y", "-framerate",
+                  fmt::format("{}", plan_.frames_a_second),
+                  // PNGs alone: what ffmpeg opens must not depend on what it thinks of a file's bytes.
+                  "-f", "image2", "-c:v", "png", "-start_number", "0", "-i", frame_names, "-vf",
+                  "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p"};
+    all.insert(all.end(), codec.begin(), codec.end());
+    // Players take colours for those of old television without a word about them.
+    all.insert(all.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1",
+                           "-color_range", "tv", "-movflags", "+faststart", movie_name});
+    return all;
+  }
+
+  std::string read_back() const {
+    const std::filesystem::path file = folder() / movie_name;
+    std::error_code error;
+    const auto size = std::filesystem::file_size(file, error);
+    if (error || size == 0) throw RunError("ffmpeg made no movie");
+    if (size > most_movie_bytes)
+      throw RunError(fmt::format("the movie has {} MiB, and more than {} are not sent", size >> 20,
+                                 most_movie_bytes >> 20),
+                     "make it smaller or shorter");
+    std::string bytes(size, '\0');
+    if (!std::ifstream(file, std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(size)))
+      throw RunError("the movie cannot be read back");
+    return bytes;
+  }
+
   const std::filesystem::path ffmpeg_;
   const MoviePlan plan_;
   PrivateFolder folder_;

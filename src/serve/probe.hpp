@@ -1,24 +1,30 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/matrix.hpp>
 #include <optional>
 
+#include "frame/frame_geometry.hpp"
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "ringsplat/volume/statistics.hpp"
+#include "serve/viewer_texts.hpp"
+#include "session/render_frames.hpp"
 
 namespace ringsplat::serve {
 
-/// What lies under a pixel.
-struct Probed {
-  bool hit = false;
-  glm::dvec3 voxel{0.0};  ///< lattice coordinates
-  glm::dvec3 world{0.0};
-  double value = 0;
-};
-
 /// The camera whose picture of 1 x 1 pixel shows, along the same ray, what (x, y) of a picture of `camera`
 /// shows.
-Camera camera_of_pixel(const Camera& camera, int width, int height, double x, double y);
+inline Camera camera_of_pixel(const Camera& camera, int width, int height, double x, double y) {
+  const double side = std::min(width, height);
+  Camera pixel = camera;
+  pixel.zoom = camera.zoom * side;
+  pixel.pan = {0.5 * width + camera.pan[0] * side - (std::floor(x) + 0.5),
+               0.5 * height + camera.pan[1] * side - (std::floor(y) + 0.5)};
+  return pixel;
+}
 
 /// Finds the first opaque point of a pixel's ray by frames of one pixel, so that no rank needs to know of it:
 /// the ranks draw the volume cut off behind ever fewer slices, and the fewest through which the ray becomes
@@ -28,26 +34,134 @@ class Probe {
  public:
   /// `full`: the view's frame at its best level. (x, y): in pixels, from the corner. Throws InputError when
   /// the ranks would refuse the ray's frame.
-  Probe(const FrameSpec& full, const Grid& grid, const ValueRange& range, double x, double y);
+  Probe(const FrameSpec& full, const Grid& grid, double x, double y)
+      : grid_(grid), next_(full), box_(full.shown.clip.value_or(whole_box(grid))) {
+    Shown& shown = next_->shown;
+    shown.camera = camera_of_pixel(shown.camera, shown.width, shown.height, x, y);
+    shown.width = shown.height = 1;
+    shown.shading = Shading::none;
+    if (looks_for_extremum() && shown.mode != Mode::minip) shown.mode = Mode::mip;
+    check_frame(*next_, grid);
+    const Traversal traversal = make_geometry(*next_, grid).traversal;
+    axis_ = static_cast<int>(traversal.axis);
+    ascending_ = traversal.ascending;
+    high_ = box_.end[axis_] - box_.first[axis_];
+  }
 
-  /// The values of the volume that is read, when it became known after the view.
-  void know_range(const ValueRange& range);
+  /// The values of the volume that is read: needed before the first frame.
+  void know_range(const ValueRange& range) {
+    range_ = range;
+    if (looks_for_extremum()) ask_for_values(range.low, range.high);
+  }
   /// The next frame to draw; nothing when the answer is there.
   const std::optional<FrameSpec>& next_frame() const { return next_; }
   /// Takes the frame's picture.
-  void take(const Image& picture);
+  void take(const Image& picture) {
+    const float* const rgba = picture.pixel(0, 0);
+    switch (stage_) {
+      case Stage::whole:
+        high_opacity_ = reached(rgba);
+        wanted_ = (looks_for_extremum() ? 0.999F : 0.5F) * high_opacity_;
+        if (rgba[3] < least_opacity) return next_.reset();
+        if (looks_for_extremum()) answer_.value = value_of(rgba[0]);
+        stage_ = Stage::place;
+        break;
+      case Stage::place: {
+        const float so_far = reached(rgba);
+        const bool enough = so_far >= wanted_;
+        (enough ? high_ : low_) = middle();
+        (enough ? high_opacity_ : low_opacity_) = so_far;
+        break;
+      }
+      case Stage::value:
+      case Stage::value_again:
+        return read(rgba[0] / std::max(rgba[3], least_opacity));
+    }
+    if (high_ - low_ > 1)
+      next_->shown.clip = front_slices(middle());
+    else
+      choose_place();
+  }
   const Probed& answer() const { return answer_; }
 
  private:
   enum class Stage { whole, place, value, value_again };
+  /// Less opaque a ray hits nothing.
+  static constexpr float least_opacity = 1.0F / 32;
+
   int middle() const { return (low_ + high_) / 2; }
-  bool looks_for_extremum() const;
-  float reached(const float* rgba) const;
-  double value_of(double red) const;
-  VoxelBox front_slices(int count) const;
-  void choose_place();
-  void ask_for_values(double low, double high);
-  void read(double red);
+  /// Where rays take no light, the value is found that decides on the pixel, of means and integrals the
+  /// largest.
+  bool looks_for_extremum() const {
+    return next_->shown.mode != Mode::composite && next_->shown.mode != Mode::surface;
+  }
+  float reached(const float* rgba) const {
+    if (!looks_for_extremum()) return rgba[3];
+    return next_->shown.mode == Mode::minip ? 1 - rgba[0] : rgba[0];
+  }
+  double value_of(double red) const {
+    return std::clamp(value_low_ + red * (value_high_ - value_low_), range_.low, range_.high);
+  }
+
+  VoxelBox front_slices(int count) const {
+    VoxelBox box = box_;
+    if (ascending_)
+      box.end[axis_] = box.first[axis_] + count;
+    else
+      box.first[axis_] = box.end[axis_] - count;
+    return box;
+  }
+
+  /// Where the ray meets the plane of that coordinate, in lattice coordinates.
+  glm::dvec3 meet(double at) const {
+    const ViewTransform view = make_view(next_->shown.camera, lattice_frame(grid_), 1, 1);
+    const glm::dmat3 to_lattice = glm::inverse(view.linear);
+    const glm::dvec3 point = to_lattice * (glm::dvec3(0.5, 0.5, 0) - view.offset);
+    const glm::dvec3 way = view.eye ? point - *view.eye : to_lattice * glm::dvec3(0, 0, 1);
+    return point + way * ((at - point[axis_]) / way[axis_]);
+  }
+
+  void choose_place() {
+    const double into =
+        double(high_ - 1) +
+        std::clamp((wanted_ - low_opacity_) / std::max(high_opacity_ - low_opacity_, 1e-6F), 0.0F, 1.0F);
+    const double at = ascending_ ? box_.first[axis_] - 0.5 + into : box_.end[axis_] - 0.5 - into;
+    answer_.hit = true;
+    answer_.voxel = glm::clamp(meet(at), glm::dvec3(0.0), glm::dvec3(grid_.dims - 1));
+    answer_.world = grid_.origin + grid_.direction * (grid_.spacing * answer_.voxel);
+    // An extremum is known since the first picture.
+    if (looks_for_extremum()) return next_.reset();
+    const int slice = ascending_ ? box_.first[axis_] + high_ - 1 : box_.end[axis_] - high_;
+    next_->shown.clip = box_;
+    next_->shown.clip->first[axis_] = slice;
+    next_->shown.clip->end[axis_] = slice + 1;
+    stage_ = Stage::value;
+    next_->shown.mode = Mode::composite;
+    ask_for_values(range_.low, range_.high);
+  }
+
+  /// Has the frame show values: white from `high` on, black up to `low`, and opaque everywhere; between the
+  /// ends red is the value.
+  void ask_for_values(double low, double high) {
+    if (!(low < high)) {
+      low = std::isfinite(low) ? low : 0;
+      high = low + 1;
+    }
+    value_low_ = low;
+    value_high_ = high;
+    next_->shown.transfer_function = {.name = "value",
+                                      .colours = {{low, glm::dvec3(0.0)}, {high, glm::dvec3(1.0)}},
+                                      .opacities = {{low, 1}, {high, 1}}};
+  }
+
+  void read(double red) {
+    answer_.value = value_of(red);
+    // Tables resolve some 256 values of the range, so the neighbourhood is looked at once more.
+    const double reach = (value_high_ - value_low_) / 32;
+    if (stage_ == Stage::value_again || !(reach > 0)) return next_.reset();
+    stage_ = Stage::value_again;
+    ask_for_values(answer_.value - reach, answer_.value + reach);
+  }
 
   Grid grid_;
   ValueRange range_;

@@ -59,15 +59,11 @@ class Requests {
   /// throw InputError when there is too much to do already, and for a movie whatever is wrong with it.
   /// A probe is of volume `volume` of the series; a file says its own.
   void add(ClientId client, const ProbeMessage& asked, const FrameSpec& best, int volume) {
-    Probing probing{client, asked.id, Probe(best, grid_, {}, asked.x, asked.y), volume};
-    std::optional<std::uint32_t> replaced;
-    {
-      const std::lock_guard lock(mutex_);
-      if (const auto old = probes_.find(client); old != probes_.end()) replaced = old->second.id;
-      probes_.insert_or_assign(client, std::move(probing));
-    }
-    if (replaced)
-      server_.send_text(client, error_text("another pixel was asked for", Request{"probe", *replaced}));
+    Probing probing{client, asked.id, Probe(best, grid_, asked.x, asked.y), volume};
+    const std::lock_guard lock(mutex_);
+    if (const auto old = probes_.find(client); old != probes_.end())
+      server_.send_text(client, error_text("another pixel was asked for", Request{"probe", old->second.id}));
+    probes_.insert_or_assign(client, std::move(probing));
   }
   void add(ClientId client, const FileMessage& asked, const FrameSpec& best) {
     const std::lock_guard lock(mutex_);
@@ -98,7 +94,7 @@ class Requests {
     probes_.erase(client);
     if (probing_ && probing_->client == client) probing_->forgotten = true;
     std::erase_if(files_, [client](const File& file) { return file.client == client; });
-    if (rendering_ && rendering_->client == client) rendering_->forgotten = true;
+    if (making_ && making_->client == client) making_->forgotten = true;
     if (movie_ && movie_->client == client) give_movie_up();
   }
 
@@ -132,9 +128,8 @@ class Requests {
     if (ended_) return std::nullopt;
     if (probing_ && probing_->frame < 0 && !probing_->forgotten && probing_->volume != volume_)
       return probing_->volume;
-    const bool file_can_come = !files_.empty() && !rendering_ && !encoding_;
-    return file_can_come && files_.front().volume != volume_ ? std::optional(files_.front().volume)
-                                                             : std::nullopt;
+    if (files_.empty() || making_ || files_.front().volume == volume_) return std::nullopt;
+    return files_.front().volume;
   }
 
   /// Answers all that waits for this volume by an error.
@@ -168,7 +163,7 @@ class Requests {
   /// True when that frame is one that next() gave and that has not come back.
   bool renders(std::int64_t frame) const {
     const std::lock_guard lock(mutex_);
-    return (probing_ && probing_->frame == frame) || (rendering_ && rendering_->frame == frame);
+    return (probing_ && probing_->frame == frame) || (making_ && making_->frame == frame);
   }
 
   /// True once for such a frame that nobody waits for any more; it then counts as come back.
@@ -179,7 +174,7 @@ class Requests {
       job.reset();
       return true;
     };
-    return drop(probing_) || drop(rendering_);
+    return drop(probing_) || drop(making_);
   }
 
   /// Takes such a frame.
@@ -187,20 +182,20 @@ class Requests {
     const std::lock_guard lock(mutex_);
     if (probing_ && probing_->frame == result.spec.frame) {
       take_probe(result.image);
-    } else if (rendering_ && rendering_->frame == result.spec.frame) {
-      const File file = *std::exchange(rendering_, std::nullopt);
-      if (file.forgotten || ended_) return;
-      encoding_ = true;
-      post(file_worker_, [this, file, kept = std::make_shared<const FrameResult>(std::move(result))] {
-        make_file(*kept, file);
-      });
+    } else if (making_ && making_->frame == result.spec.frame) {
+      if (making_->forgotten || ended_) return making_.reset();
+      making_->frame = -1;
+      post(file_worker_,
+           [this, file = *making_, kept = std::make_shared<const FrameResult>(std::move(result))] {
+             make_file(*kept, file);
+           });
     }
   }
 
  private:
   static constexpr std::ptrdiff_t most_waiting = 4;  // files of one client
-  static constexpr std::chrono::seconds patience_with_a_movie{
-      60};  // for its next frame, while others want one
+  /// For a movie's next frame, while others want to make one.
+  static constexpr std::chrono::seconds patience_with_a_movie{60};
 
   using Clock = Movie::Clock;
   struct Probing {
@@ -243,11 +238,11 @@ class Requests {
   }
 
   std::optional<FrameSpec> next_file(std::int64_t frame) {
-    if (files_.empty() || rendering_ || encoding_ || files_.front().volume != volume_) return std::nullopt;
-    rendering_ = std::move(files_.front());
+    if (files_.empty() || making_ || files_.front().volume != volume_) return std::nullopt;
+    making_ = std::move(files_.front());
     files_.pop_front();
-    rendering_->frame = frame;
-    return rendering_->spec;
+    making_->frame = frame;
+    return making_->spec;
   }
 
   /// The mutex is held; texts are only handed over.
@@ -295,7 +290,7 @@ class Requests {
     movie_.reset();
     movie->cancel();
     std::erase_if(files_, [&](const File& file) { return file.movie == movie; });
-    if (rendering_ && rendering_->movie == movie) rendering_->forgotten = true;
+    if (making_ && making_->movie == movie) making_->forgotten = true;
     post(movie_worker_, [kept = std::move(movie)] {});
   }
 
@@ -310,7 +305,7 @@ class Requests {
     }
     {
       const std::lock_guard lock(mutex_);
-      encoding_ = false;
+      making_.reset();
     }
     wake_();
   }
@@ -391,8 +386,7 @@ class Requests {
   std::map<ClientId, Probing> probes_;  ///< each client's newest, not yet begun
   std::optional<Probing> probing_;
   std::deque<File> files_;
-  std::optional<File> rendering_;
-  bool encoding_ = false;
+  std::optional<File> making_;      ///< is rendered, or has been and is encoded
   std::optional<MovieTurn> movie_;  ///< there is one at a time
 
   boost::asio::thread_pool file_worker_{1}, movie_worker_{1};  ///< never call MPI

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <deque>
 #include <mutex>
 #include <utility>
 
@@ -33,6 +32,10 @@ class PageViewer final : public Viewer {
         levels_(make_levels(options_.qualities, options_.volume.grid.dims)),
         rules_{options_.initial, options_.volume.grid.dims, int(options_.frames.size()),
                options_.largest_side},
+        audience_({[this](ClientId client, std::string text) { server_.send_text(client, std::move(text)); },
+                   [this](ClientId client, std::shared_ptr<const std::string> bytes) {
+                     server_.send_binary(client, std::move(bytes));
+                   }}),
         controller_(options_.target_seconds),
         requests_(
             server_,
@@ -76,7 +79,7 @@ class PageViewer final : public Viewer {
     shown_volume_ = volume;
     not_yet_seen_ = true;
     next_frame_ = 0;
-    say_to_all(frame_text(volume, "shown"));
+    audience_.say(frame_text(volume, "shown"));
   }
 
   void not_loaded(int volume, const std::string& why) override {
@@ -84,8 +87,8 @@ class PageViewer final : public Viewer {
     const std::lock_guard lock(mutex_);
     if (newest_ && newest_->message.scene.frame == volume) newest_.reset();
     if (current_ && current_->message.scene.frame == volume) current_.reset();
-    say_to_all(frame_text(volume, "failed"));
-    say_to_all(error_text(why, {}));
+    audience_.say(frame_text(volume, "failed"));
+    audience_.say(error_text(why, {}));
   }
 
   void warn(const std::string& text) override {
@@ -93,7 +96,7 @@ class PageViewer final : public Viewer {
     const std::lock_guard lock(mutex_);
     if (warnings_.size() >= most) return;
     warnings_.push_back(warning_text(text));
-    say_to_all(warnings_.back());
+    audience_.say(warnings_.back());
   }
 
   void end(const std::string& message) override {
@@ -111,8 +114,7 @@ class PageViewer final : public Viewer {
   struct View {
     ViewMessage message;
     std::uint64_t scene = 0;   ///< the same for views that show the same in the same size
-    std::uint64_t number = 0;  ///< its own; pages that come later count their views from 1 again
-    Clock::time_point came;
+    Clock::time_point came;    ///< its own
     std::optional<int> shown;  ///< finest level
   };
   struct Rendering {
@@ -120,11 +122,6 @@ class PageViewer final : public Viewer {
     View view;
     int level = 0;
     bool at_rest = false, refines = false;
-  };
-  struct LastPicture {
-    std::shared_ptr<const std::string> message;
-    PictureHead head;
-    View view;
   };
 
   ServerEvents events() {
@@ -142,8 +139,8 @@ class PageViewer final : public Viewer {
     audience_.add(client);
     server_.send_text(client, hello_text(options_, levels_, audience_.drives(client), audience_.size()));
     for (const std::string& warning : warnings_) server_.send_text(client, warning);
-    say_driver();
-    if (!audience_.drives(client) && last_.message) send_last(client);
+    audience_.say_who_drives();
+    if (!audience_.drives(client)) audience_.catch_up(client);
     wake();
   }
 
@@ -164,7 +161,7 @@ class PageViewer final : public Viewer {
     const std::lock_guard lock(mutex_);
     audience_.remove(client);
     requests_.forget(client);
-    say_driver();
+    audience_.say_who_drives();
     wake();
   }
 
@@ -174,21 +171,19 @@ class PageViewer final : public Viewer {
     if (!audience_.drives(client)) return;
     if (!last_put_ || *last_put_ != view.scene) ++scenes_;
     last_put_ = view.scene;
-    newest_ = View{std::move(view), scenes_, ++views_, Clock::now(), {}};
+    newest_ = View{std::move(view), scenes_, Clock::now(), {}};
   }
 
   void handle(ClientId client, const AckMessage& ack) {
     const std::lock_guard lock(mutex_);
     audience_.acknowledge(client, ack.picture);
-    // Pictures that a slow watcher could not take are skipped, but not the last one.
-    if (last_.message && audience_.lacks(client, last_.head.number)) send_last(client);
   }
 
   void handle(ClientId client, const DriveMessage&) {
     const std::lock_guard lock(mutex_);
     if (audience_.drives(client)) return;
     audience_.drive(client);
-    say_driver();
+    audience_.say_who_drives();
   }
 
   void handle(ClientId client, const ProbeMessage& asked) {
@@ -229,7 +224,7 @@ class PageViewer final : public Viewer {
     const bool rests = !view.message.moving || Clock::now() - view.came >= rest_begins;
     std::optional<int> level;
     if (rests)
-      level = next_level_at_rest(controller_, view.shown);
+      level = controller_.level_at_rest(view.shown);
     else if (!view.shown)
       level = controller_.level();
     if (!level) {
@@ -264,18 +259,19 @@ class PageViewer final : public Viewer {
   /// The mutex is held.
   void ask_for(int volume) {
     next_volume_ = volume;
-    say_to_all(frame_text(volume, "loading"));
+    audience_.say(frame_text(volume, "loading"));
   }
 
   /// For a view that shows what the last picture shows: the page waits for one with the view's number.
   void show_again() {
-    if (pictures_encoding_ > 0 || !last_.message || last_.view.scene != current_->scene ||
-        last_.view.number == current_->number)
+    if (pictures_encoding_ > 0 || !audience_.last() || audience_.last()->scene != current_->scene ||
+        shown_view_ == current_->came)
       return;
-    LastPicture again{last_.message, last_.head, *current_};
+    SentPicture again = *audience_.last();
     again.head.seq = current_->message.seq;
     again.head.time = current_->message.time;
-    send_to_all(std::move(again));
+    shown_view_ = current_->came;
+    audience_.show(std::move(again));
   }
 
   void take(FrameResult&& result) {
@@ -349,47 +345,14 @@ class PageViewer final : public Viewer {
     {
       const std::lock_guard lock(mutex_);
       --pictures_encoding_;
-      if (!message.empty())
-        send_to_all({std::make_shared<const std::string>(std::move(message)), picture.head, view});
+      if (!message.empty()) {
+        shown_view_ = view.came;
+        audience_.show({std::make_shared<const std::string>(std::move(message)), picture.head,
+                        view.message.scene, view.scene});
+      }
       wake();
     }
     maker_.learn(picture);
-  }
-
-  /// The mutex is held.
-  void send_to_all(LastPicture&& picture) {
-    const auto now = Clock::now();
-    sent_.push_back(now);
-    while (now - sent_.front() > 1s) sent_.pop_front();
-    picture.head.number = ++last_number_;
-    picture.head.pictures_a_second = pictures_a_second();
-    picture.message = std::make_shared<const std::string>(with_head(*picture.message, picture.head));
-    last_ = std::move(picture);
-    for (const ClientId client : audience_.takers()) send_last(client);
-  }
-
-  void send_last(ClientId client) {
-    if (audience_.must_learn(client, last_.view.scene))
-      server_.send_text(client, state_text(last_.view.message.scene));
-    audience_.sent(client, last_.head.number);
-    server_.send_binary(client, last_.message);
-  }
-
-  float pictures_a_second() {
-    if (sent_.size() < 2) return 0;
-    const std::chrono::duration<float> span = sent_.back() - sent_.front();
-    return float(sent_.size() - 1) / std::max(span.count(), 1e-3F);
-  }
-
-  /// The mutex is held.
-  void say_driver() {
-    for (const ClientId client : audience_.all())
-      server_.send_text(client, driver_text(audience_.drives(client), audience_.size()));
-  }
-
-  /// The mutex is held.
-  void say_to_all(const std::string& text) {
-    for (const ClientId client : audience_.all()) server_.send_text(client, text);
   }
 
   /// The mutex is held.
@@ -408,7 +371,7 @@ class PageViewer final : public Viewer {
   Audience audience_;
   std::vector<std::string> warnings_;
   std::optional<View> newest_;  ///< not yet taken
-  std::uint64_t scenes_ = 0, views_ = 0;
+  std::uint64_t scenes_ = 0;
   std::optional<View> current_;
   int shown_volume_ = 0;
   std::optional<int> next_volume_;  ///< that the run ends for
@@ -418,9 +381,7 @@ class PageViewer final : public Viewer {
   std::optional<Rendering> rendering_;
   std::int64_t next_frame_ = 0;
   int pictures_encoding_ = 0;
-  std::uint32_t last_number_ = 0;
-  std::deque<Clock::time_point> sent_;
-  LastPicture last_;
+  Clock::time_point shown_view_;  ///< when the view came that the last picture was sent for
 
   Requests requests_;  ///< has a lock of its own, taken after that
   WebServer server_;

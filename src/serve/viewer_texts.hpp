@@ -4,11 +4,18 @@
 #include <string_view>
 #include <vector>
 
-#include "serve/probe.hpp"
 #include "serve/viewer.hpp"
 
 /// The JSON texts that a viewer sends (docs/viewer.md).
 namespace ringsplat::serve {
+
+/// What lies under a pixel.
+struct Probed {
+  bool hit = false;
+  glm::dvec3 voxel{0.0};  ///< lattice coordinates
+  glm::dvec3 world{0.0};
+  double value = 0;
+};
 
 std::string hello_text(const ViewerOptions& options, const std::vector<Level>& levels, bool drives,
                        int viewers);

@@ -265,10 +265,9 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
 
   /// A page learns nothing from a WebSocket that is refused: it asks here whether its token was wrong.
   void judge_token(const http::request<http::empty_body>& request) {
-    if (shared_.access.is_token(view(request["Ringsplat-Token"])))
-      reply(http::status::no_content, "text/plain", "", request.keep_alive());
-    else
-      reply(http::status::forbidden, "text/plain", "the token is missing or wrong\n", request.keep_alive());
+    const bool right = shared_.access.is_token(view(request["Ringsplat-Token"]));
+    reply(right ? http::status::no_content : http::status::forbidden, "text/plain",
+          right ? "" : "the token is missing or wrong\n", request.keep_alive());
   }
 
   void upgrade(std::string_view host) {

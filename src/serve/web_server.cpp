@@ -50,9 +50,10 @@ struct WebServer::Impl {
     error_code ignored;
     acceptor_.close(ignored);
     signals_.cancel(ignored);
-    for (const auto& held : clients()) {
-      held->send(false, last_text);
-      held->close();
+    for (auto next = shared_.clients.begin(); next != shared_.clients.end();) {
+      const auto held = (next++)->second.lock();  // which may be the last to hold it
+      if (held) held->send(false, last_text);
+      if (held) held->close();
     }
     last_moment_ = Clock::now() + std::chrono::seconds(1);
     stop_soon();
@@ -106,13 +107,6 @@ struct WebServer::Impl {
     error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
     std::make_shared<Visitor>(shared_, std::move(socket))->read();
-  }
-
-  std::vector<std::shared_ptr<Client>> clients() const {
-    std::vector<std::shared_ptr<Client>> all;
-    for (const auto& [id, client] : shared_.clients)
-      if (auto held = client.lock()) all.push_back(std::move(held));
-    return all;
   }
 
   /// When all clients have closed, or there is no more time for that.

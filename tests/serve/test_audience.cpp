@@ -4,8 +4,26 @@
 
 using namespace ringsplat::serve;
 
+namespace {
+
+/// An audience, and the pictures and texts that reached each client.
+struct Heard {
+  std::map<ClientId, std::vector<int>> pictures;
+  std::map<ClientId, int> texts;
+  Audience audience{{[this](ClientId client, const std::string&) { ++texts[client]; },
+                     [this](ClientId client, const auto&) {
+                       pictures[client].push_back(int(audience.last()->head.number));
+                     }}};
+
+  void show(std::uint64_t scene = 1) {
+    audience.show({std::make_shared<const std::string>(picture_message({}, "file")), {}, {}, scene});
+  }
+};
+
+}  // namespace
+
 TEST_CASE("The first to come drives, and when it goes the one that is here longest") {
-  Audience audience;
+  Audience audience{{}};
   for (const ClientId client : {4, 5, 6}) audience.add(client);
   CHECK(audience.drives(4));
   audience.drive(6);
@@ -20,41 +38,52 @@ TEST_CASE("The first to come drives, and when it goes the one that is here longe
 }
 
 TEST_CASE("A client with two unacknowledged pictures gets no more") {
-  Audience audience;
+  Heard heard;
+  Audience& audience = heard.audience;
   audience.add(1);
+  heard.show();
+  heard.show();
   audience.add(2);
-  audience.sent(1, 10);
-  audience.sent(1, 11);
+  heard.show();
   CHECK(audience.unacknowledged() == 2);
-  CHECK(audience.takers() == std::vector<ClientId>{2});
+  CHECK(heard.pictures[1] == std::vector{1, 2});
+  CHECK(heard.pictures[2] == std::vector{3});
   audience.acknowledge(1, 99);
-  audience.acknowledge(2, 10);
+  audience.acknowledge(2, 1);
   CHECK(audience.unacknowledged() == 2);
-  audience.acknowledge(1, 10);
-  audience.acknowledge(1, 10);
-  CHECK(audience.unacknowledged() == 1);
-  CHECK(audience.takers() == std::vector<ClientId>{1, 2});
+  audience.acknowledge(1, 1);
+  audience.acknowledge(1, 1);
+  CHECK(heard.pictures[1] == std::vector{1, 2, 3});
+  CHECK(heard.pictures[2] == std::vector{3});
 }
 
-TEST_CASE("A client that skipped a picture lacks it once it can take one") {
-  Audience audience;
-  audience.add(1);
-  CHECK(audience.lacks(1, 1));
-  audience.sent(1, 1);
-  audience.sent(1, 2);
-  CHECK(!audience.lacks(1, 3));
-  audience.acknowledge(1, 1);
-  CHECK(audience.lacks(1, 3));
-  CHECK(!audience.lacks(1, 2));
-  CHECK(!audience.lacks(7, 3));
+TEST_CASE("A client that skipped pictures gets the last of them once it can take one") {
+  Heard heard;
+  heard.audience.add(1);
+  heard.audience.catch_up(1);
+  CHECK(heard.pictures.empty());
+  for (int k = 0; k < 4; ++k) heard.show();
+  heard.audience.acknowledge(1, 1);
+  heard.audience.acknowledge(1, 2);
+  CHECK(heard.pictures[1] == std::vector{1, 2, 4});
+  heard.audience.catch_up(7);
+  CHECK(heard.pictures.size() == 1);
+  heard.audience.add(2);
+  heard.audience.catch_up(2);
+  CHECK(heard.pictures[2] == std::vector{4});
 }
 
 TEST_CASE("Watchers are told of a scene once, the driver knows") {
-  Audience audience;
-  audience.add(1);
-  audience.add(2);
-  CHECK(!audience.must_learn(1, 5));
-  CHECK(audience.must_learn(2, 5));
-  CHECK(!audience.must_learn(2, 5));
-  CHECK(audience.must_learn(2, 6));
+  Heard heard;
+  heard.audience.add(1);
+  heard.audience.add(2);
+  heard.show(5);
+  heard.show(5);
+  CHECK(heard.texts == std::map<ClientId, int>{{2, 1}});
+  heard.audience.acknowledge(2, 1);
+  heard.show(6);
+  CHECK(heard.texts == std::map<ClientId, int>{{2, 2}});
+  heard.audience.say("text");
+  heard.audience.say_who_drives();
+  CHECK(heard.texts == std::map<ClientId, int>{{1, 2}, {2, 4}});
 }

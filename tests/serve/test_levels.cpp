@@ -153,17 +153,17 @@ TEST_CASE("A level that fits is not left for one that hardly fits") {
 
 TEST_CASE("At rest there are at most three pictures, the last the best") {
   LevelController controller = with_costs({0.02, 0.06, 0.15, 0.5});
-  CHECK(next_level_at_rest(controller, {}) == 0);
-  CHECK(next_level_at_rest(controller, 0) == 2);
-  CHECK(next_level_at_rest(controller, 2) == 3);
-  CHECK(next_level_at_rest(controller, 3) == std::nullopt);
+  CHECK(controller.level_at_rest({}) == 0);
+  CHECK(controller.level_at_rest(0) == 2);
+  CHECK(controller.level_at_rest(2) == 3);
+  CHECK(controller.level_at_rest(3) == std::nullopt);
 }
 
 TEST_CASE(
     "At rest the middle picture is left out where the best comes soon, and the first where it is quick") {
   LevelController soon = with_costs({0.02, 0.06, 0.1, 0.15});
-  CHECK(next_level_at_rest(soon, {}) == 0);
-  CHECK(next_level_at_rest(soon, 0) == 3);
+  CHECK(soon.level_at_rest({}) == 0);
+  CHECK(soon.level_at_rest(0) == 3);
   LevelController quick = with_costs({0.01, 0.02, 0.03, 0.05});
-  CHECK(next_level_at_rest(quick, {}) == 3);
+  CHECK(quick.level_at_rest({}) == 3);
 }

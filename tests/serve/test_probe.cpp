@@ -53,7 +53,8 @@ Probed probe(const FrameSpec& spec, double x, double y) {
   ValueRange range;
   const auto values = voxels();
   range.add(ScalarType::uint8, std::as_bytes(std::span(values)));
-  Probe all(spec, grid(), range, x, y);
+  Probe all(spec, grid(), x, y);
+  all.know_range(range);
   while (const auto frame = all.next_frame()) {
     FrameSpec one = *frame;
     one.frame = 0;
