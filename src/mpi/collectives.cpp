@@ -103,7 +103,8 @@ class MpiCollectives final : public Collectives {
       // Reads the clock before it looks, so that answers that came while this process had no core still
       // count.
       const bool late = now_seconds() > until;
-      std::erase_if(missing, [this](int p) { return take_presence(p); });
+      // One receive for each process: a fast one may already have sent its message for the next call.
+      std::erase_if(missing, [this](int p) { return take_signal(comm_.get(), p, presence_tag).has_value(); });
       if (missing.empty() || late) return missing;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -126,18 +127,6 @@ class MpiCollectives final : public Collectives {
       checked(start(arguments..., comm_.get(), &request), name);
     }
     watch_->finish(std::span(&request, 1), name);
-  }
-
-  /// Takes the presence message of process `from`, if it has come. One receive for each process: a fast one
-  /// may already have sent its message for the next call.
-  bool take_presence(int from) const {
-    int arrived = 0;
-    MPI_Message matched = MPI_MESSAGE_NULL;
-    checked(MPI_Improbe(from, presence_tag, comm_.get(), &arrived, &matched, MPI_STATUS_IGNORE),
-            "MPI_Improbe");
-    if (arrived == 0) return false;
-    checked(MPI_Mrecv(nullptr, 0, MPI_BYTE, &matched, MPI_STATUS_IGNORE), "MPI_Mrecv");
-    return true;
   }
 
   /// For blocks whose `sum` fits into one message. Broadcasts from every process would need a message for

@@ -20,6 +20,16 @@ void checked(int code, const char* call) {
       fmt::format("{} failed on rank {}: {}", call, rank, std::string(words, std::size_t(length))));
 }
 
+std::optional<int> take_signal(MPI_Comm comm, int source, int tag) {
+  int arrived = 0;
+  MPI_Message matched = MPI_MESSAGE_NULL;
+  MPI_Status status;
+  checked(MPI_Improbe(source, tag, comm, &arrived, &matched, &status), "MPI_Improbe");
+  if (arrived == 0) return std::nullopt;
+  checked(MPI_Mrecv(nullptr, 0, MPI_BYTE, &matched, MPI_STATUS_IGNORE), "MPI_Mrecv");
+  return status.MPI_SOURCE;
+}
+
 OwnedComm::OwnedComm(MPI_Comm original) {
   checked(MPI_Comm_dup(original, &comm_), "MPI_Comm_dup");
   checked(MPI_Comm_set_errhandler(comm_, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");

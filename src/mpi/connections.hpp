@@ -2,6 +2,7 @@
 #include <mpi.h>
 
 #include <memory>
+#include <optional>
 
 #include "net/collectives.hpp"
 #include "net/transport.hpp"
@@ -10,6 +11,9 @@ namespace ringsplat {
 
 /// Throws RunError with the call's name, MPI's own words and the rank unless `code` is MPI_SUCCESS.
 void checked(int code, const char* call);
+
+/// Takes a message without a body that has come from `source`, which may be MPI_ANY_SOURCE: who sent it.
+std::optional<int> take_signal(MPI_Comm comm, int source, int tag);
 
 /// A duplicate of a communicator that returns errors instead of ending the job; freed with its owner, unless
 /// MPI is already finalised.

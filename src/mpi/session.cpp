@@ -40,6 +40,9 @@ MpiSession::MpiSession(int& argc, char**& argv) {
 
 MpiSession::~MpiSession() { MPI_Finalize(); }
 
+int MpiSession::rank() const { return rank_; }
+int MpiSession::ranks() const { return ranks_; }
+
 std::unique_ptr<Transport> MpiSession::make_transport() { return make_mpi_transport(MPI_COMM_WORLD); }
 std::unique_ptr<Collectives> MpiSession::make_collectives() { return make_mpi_collectives(MPI_COMM_WORLD); }
 

@@ -21,8 +21,8 @@ class MpiSession {
   MpiSession(const MpiSession&) = delete;
   MpiSession& operator=(const MpiSession&) = delete;
 
-  int rank() const { return rank_; }
-  int ranks() const { return ranks_; }
+  int rank() const;
+  int ranks() const;
   /// All ranks call both, in the same order.
   std::unique_ptr<Transport> make_transport();
   std::unique_ptr<Collectives> make_collectives();

@@ -124,27 +124,16 @@ class StallWatch {
     checked(MPI_Request_free(&nobody_waits), "MPI_Request_free");
   }
 
-  bool take(int tag, int& from) {
-    int arrived = 0;
-    MPI_Message message = MPI_MESSAGE_NULL;
-    MPI_Status status;
-    checked(MPI_Improbe(MPI_ANY_SOURCE, tag, comm_, &arrived, &message, &status), "MPI_Improbe");
-    if (arrived == 0) return false;
-    checked(MPI_Mrecv(nullptr, 0, MPI_BYTE, &message, MPI_STATUS_IGNORE), "MPI_Mrecv");
-    from = status.MPI_SOURCE;
-    return true;
-  }
-
   void answer() {
-    for (int from = 0; take(question_tag, from);) {
-      send(from, answer_tag);
-      if (from < rank_ && tell_at_ == never) ask_at_ = std::max(ask_at_, now_seconds() + patience_.seconds);
+    while (const auto from = take_signal(comm_, MPI_ANY_SOURCE, question_tag)) {
+      send(*from, answer_tag);
+      if (*from < rank_ && tell_at_ == never) ask_at_ = std::max(ask_at_, now_seconds() + patience_.seconds);
     }
   }
 
   void ask_or_tell() {
-    for (int from = 0; take(answer_tag, from);)  // also to earlier questions: it lives
-      answered_[std::size_t(from)] = true;
+    while (const auto from = take_signal(comm_, MPI_ANY_SOURCE, answer_tag))
+      answered_[std::size_t(*from)] = true;  // also to earlier questions: it lives
     const double now = now_seconds();
     if (now > tell_at_) return tell();
     if (now < ask_at_) return;

@@ -5,8 +5,8 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <ctime>
 #include <list>
+#include <thread>
 #include <vector>
 
 #include "mpi/connections.hpp"
@@ -130,7 +130,7 @@ class MpiTransport final : public Transport {
     else if (pause.sleeps.count() > 0 && sleep)
       sleep(pause.sleeps);
     else if (pause.sleeps.count() > 0)
-      sleep_for(pause.sleeps);
+      std::this_thread::sleep_for(pause.sleeps);
   }
 
   /// A rank without work only waits for the run's end. It sleeps longer the longer it has waited, so that it
@@ -139,12 +139,7 @@ class MpiTransport final : public Transport {
     constexpr std::chrono::nanoseconds shortest{25'000'000}, longest{100'000'000};
     const auto time = std::clamp(slept_idly_ / 16, shortest, longest);
     slept_idly_ += time;
-    sleep_for(time);
-  }
-
-  static void sleep_for(std::chrono::nanoseconds time) {
-    const timespec pause{0, long(time.count())};
-    nanosleep(&pause, nullptr);
+    std::this_thread::sleep_for(time);
   }
 
   /// Yields before the first sleep: a few where ranks share cores, some ten milliseconds' worth where each
