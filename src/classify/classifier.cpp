@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -10,6 +9,7 @@
 #include "classify/mask_where.hpp"
 #include "classify/piecewise.hpp"
 #include "classify/srgb.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat {
 namespace {
@@ -102,7 +102,7 @@ void Classifier::find_one_by_one(const std::byte* row, int first, int end, std::
   };
   for_each_mask(first, end, in_support, [&](int block, std::uint64_t mask) {
     for (; mask != 0; mask &= mask - 1)
-      if (evaluate(double(load<T>(row, block + std::countr_zero(mask)))).opacity > 0)
+      if (evaluate(double(load<T>(row, std::size_t(block + std::countr_zero(mask))))).opacity > 0)
         masks[block / mask_bits] |= mask & -mask;
   });
 }

@@ -7,14 +7,6 @@
 
 namespace ringsplat {
 
-/// The i-th scalar of a row at any address.
-template <class T>
-T load(const std::byte* row, int i) {
-  T value;
-  std::memcpy(&value, row + sizeof(T) * std::size_t(i), sizeof(T));
-  return value;
-}
-
 inline constexpr int mask_bits = 64;
 
 /// Bit i is flags[i], each 0 or 1. One multiplication turns eight bytes into eight bits; its partial products

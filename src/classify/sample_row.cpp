@@ -13,6 +13,7 @@
 #include <type_traits>
 
 #include "classify/mask_where.hpp"
+#include "volume/scalars.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
@@ -136,7 +137,7 @@ void evaluate_row(const Classifier& classifier, const VoxelRow& row, VisibleRow&
     for (const VisibleBlock& block : out.blocks)
       for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1)
         *sample++ = classifier.evaluate(
-            double(load<decltype(zero)>(row.values, int(block.first) + std::countr_zero(mask))));
+            double(load<decltype(zero)>(row.values, block.first + std::size_t(std::countr_zero(mask)))));
   });
 }
 

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "classify/normal_lattice.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat {
 namespace {
@@ -35,14 +36,6 @@ auto doubled_difference(T before, T centre, T after, bool has_before, bool has_a
   return has_before && has_after ? a - b : 2 * (a - b);
 }
 
-template <class T>
-bool is_value(T v) {
-  if constexpr (std::is_floating_point_v<T>)
-    return std::isfinite(v);
-  else
-    return true;
-}
-
 /// One row of a slice with the four rows around it; a row that does not exist is null.
 template <class T>
 struct Neighbourhood {
@@ -54,9 +47,9 @@ struct Neighbourhood {
 template <class T>
 NormalCode careful_normal(const Neighbourhood<T>& rows, int x, const glm::dmat3& m) {
   const T centre = rows.here[x];
-  if (!is_value(centre)) return no_normal;
+  if (!is_finite(centre)) return no_normal;
   const auto along = [&](const T* before, const T* after) -> double {
-    const bool has_before = before && is_value(*before), has_after = after && is_value(*after);
+    const bool has_before = before && is_finite(*before), has_after = after && is_finite(*after);
     if constexpr (std::is_same_v<T, double>)  // an eighth of each value, so that no difference overflows
       return doubled_difference(has_before ? *before / 8 : 0, centre / 8, has_after ? *after / 8 : 0,
                                 has_before, has_after);

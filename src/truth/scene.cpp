@@ -1,7 +1,8 @@
 #include "truth/scene.hpp"
 
 #include <algorithm>
-#include <cstring>
+
+#include "volume/scalars.hpp"
 
 namespace ringsplat::truth {
 
@@ -30,13 +31,8 @@ std::vector<double> read_values(VolumeSource& source) {
   std::vector<std::byte> bytes(grid.slice_bytes(Axis::z));
   for (int z = 0; z < grid.dims.z; ++z) {
     source.read_slices(z, 1, bytes);
-    visit_type(grid.type, [&](auto zero) {
-      using T = decltype(zero);
-      for (std::size_t i = 0; i < slice; ++i) {
-        T v;
-        std::memcpy(&v, bytes.data() + i * sizeof(T), sizeof(T));
-        values[std::size_t(z) * slice + i] = static_cast<double>(v);
-      }
+    for_values(grid.type, bytes, [&](auto some) {
+      std::copy(some.begin(), some.end(), values.begin() + std::ptrdiff_t(std::size_t(z) * slice));
     });
   }
   return values;

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <limits>
 
+#include "volume/scalars.hpp"
+
 namespace ringsplat {
 namespace {
 
@@ -23,8 +25,7 @@ Ends<T> ends_of(const std::byte* values, int count) {
   Ends<T> ends{Limits::max(), Limits::lowest()};
   if constexpr (Limits::has_infinity) ends = {Limits::infinity(), -Limits::infinity()};
   for (int i = 0; i < count; ++i) {
-    T value;
-    std::memcpy(&value, values + std::size_t(i) * sizeof(T), sizeof(T));
+    const T value = load<T>(values, std::size_t(i));
     // A comparison with not-a-number is false and keeps the end.
     ends.low = value < ends.low ? value : ends.low;
     ends.high = value > ends.high ? value : ends.high;

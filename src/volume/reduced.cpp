@@ -14,16 +14,10 @@
 #include "ringsplat/base/error.hpp"
 #include "volume/copy_row.hpp"
 #include "volume/forwarding_source.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat {
 namespace {
-
-template <class T>
-T value_at(const std::byte* values, std::size_t index) {
-  T value;
-  std::memcpy(&value, values + index * sizeof(T), sizeof(T));
-  return value;
-}
 
 template <class T>
 void put(T value, std::size_t index, std::span<std::byte> out) {
@@ -100,7 +94,7 @@ class HalvedSource final : public ForwardingSource {
             std::size_t(std::clamp(2 * y - 1 + i % taps, 0, dims.y - 1)) * std::size_t(dims.x);
         const double weight = weights[std::size_t(i / taps)] * weights[std::size_t(i % taps)];
         for (std::size_t x = 0; x < column.size(); ++x)
-          column[x] += weight * static_cast<double>(value_at<T>(slices[std::size_t(i / taps)], row + x));
+          column[x] += weight * static_cast<double>(load<T>(slices[std::size_t(i / taps)], row + x));
       }
       for (int x = 0; x < grid().dims.x; ++x, ++to) {
         double sum = 0;
@@ -125,7 +119,7 @@ class HalvedSource final : public ForwardingSource {
     for (int k = 2 * z; k < std::min(2 * z + 2, dims.z); ++k) {
       for (int j = 2 * y; j < std::min(2 * y + 2, dims.y); ++j) {
         for (int i = 2 * x; i < std::min(2 * x + 2, dims.x); ++i) {
-          const auto value = static_cast<double>(value_at<T>(
+          const auto value = static_cast<double>(load<T>(
               slices[std::size_t(k - 2 * z + 1)], std::size_t(j) * std::size_t(dims.x) + std::size_t(i)));
           if (std::isnan(value)) continue;
           cell.low = std::min(cell.low, value);

@@ -1,41 +1,24 @@
 #include "ringsplat/volume/statistics.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <numeric>
-#include <type_traits>
+
+#include "volume/scalars.hpp"
 
 namespace ringsplat {
-namespace {
-
-template <class F>
-void for_values(ScalarType type, std::span<const std::byte> bytes, F&& f) {
-  visit_type(type, [&](auto zero) {
-    using T = decltype(zero);
-    f(std::span(reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)));
-  });
-}
-
-}  // namespace
 
 void ValueRange::add(ScalarType type, std::span<const std::byte> bytes) {
   for_values(type, bytes, [&](auto values) {
     using T = typename decltype(values)::value_type;
     T least = std::numeric_limits<T>::max(), most = std::numeric_limits<T>::lowest();
-    std::uint64_t count = values.size();
-    if constexpr (std::is_floating_point_v<T>) {
-      count = 0;
-      // Selections instead of branches, so that the compiler vectorises the loop.
-      for (const T v : values) {
-        const bool is_finite = std::abs(v) <= std::numeric_limits<T>::max();
-        count += is_finite;
-        least = is_finite && v < least ? v : least;
-        most = is_finite && v > most ? v : most;
-      }
-    } else {
-      for (const T v : values) least = v < least ? v : least;
-      for (const T v : values) most = v > most ? v : most;
+    std::uint64_t count = 0;
+    // Selections instead of branches, so that the compiler vectorises the loop.
+    for (const T v : values) {
+      const bool counts = is_finite(v);
+      count += counts;
+      least = counts && v < least ? v : least;
+      most = counts && v > most ? v : most;
     }
     if (count > 0) merge({double(least), double(most), 0, 0});
     finite += count;

@@ -4,17 +4,13 @@
 #include <limits>
 #include <type_traits>
 
+#include "volume/scalars.hpp"
 #include "volume/value_statistics.hpp"
 
 namespace ringsplat {
 namespace {
 
 constexpr std::size_t chunk_values = 16384;
-
-template <class T>
-std::span<const T> typed(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
-}
 
 /// A wide type's nearest float32; those beyond its range become its largest.
 template <class T>
@@ -46,14 +42,6 @@ std::size_t key_of_value(T value) {
     return std::size_t(int(value) - int(std::numeric_limits<T>::min()));
   else
     return key_of_float(narrowed(value));
-}
-
-template <class T>
-bool finite(T value) {
-  if constexpr (std::is_floating_point_v<T>)
-    return std::abs(value) <= std::numeric_limits<T>::max();
-  else
-    return true;
 }
 
 /// Without the fill value, converted from `From` when the caller has widened them.
@@ -172,22 +160,18 @@ void ValueTally::add(std::span<const std::byte> values) {
 }
 
 void ValueTally::count(std::span<const std::byte> values) {
-  visit_type(kind_.type, [&](auto zero) {
-    using T = decltype(zero);
-    for (const T value : typed<T>(values))
-      if (finite(value)) ++counts[key_of_value(value)];
+  for_values(kind_.type, values, [&](auto some) {
+    for (const auto value : some)
+      if (is_finite(value)) ++counts[key_of_value(value)];
   });
 }
 
 void ValueTally::look_for_labels(std::span<const std::byte> values) {
   if (is_exact(kind_.type) || distinct.overflown()) return;
-  visit_type(kind_.type, [&](auto zero) {
-    using T = decltype(zero);
-    for (const T value : typed<T>(values)) {
-      if (!finite(value)) continue;
-      if constexpr (std::is_floating_point_v<T>) {
-        if (value != std::floor(value)) distinct.overflow();
-      }
+  for_values(kind_.type, values, [&](auto some) {
+    for (const auto value : some) {
+      if (!is_finite(value)) continue;
+      if (double(value) != std::floor(double(value))) distinct.overflow();
       if (distinct.overflown()) return;
       distinct.add(double(value));
     }
