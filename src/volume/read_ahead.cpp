@@ -38,24 +38,17 @@ ReadAheadSource::~ReadAheadSource() {
   thread_.join();
 }
 
-std::size_t ReadAheadSource::most_held() const {
-  const std::lock_guard lock(mutex_);
-  return most_held_;
-}
-
 void ReadAheadSource::run() {
   const PlainFloats as_without_a_thread;
   std::unique_lock lock(mutex_);
   while (next_ < runs_.size() && !stop_ && !failure_) {
     no_room_ = !make_room(runs_[next_]);
-    if (!no_room_) {
-      read_next(lock);
-      continue;
-    }
     changed_.notify_all();
-    changed_.wait(lock);
+    if (no_room_)
+      changed_.wait(lock);
+    else
+      read_next(lock);
   }
-  ended_ = true;
   changed_.notify_all();
 }
 
@@ -79,8 +72,6 @@ void ReadAheadSource::read_next(std::unique_lock<std::mutex>& lock) {
   failure_ = failure;
   if (!failure) ++next_;
   slices_.merge(slices);
-  most_held_ = std::max(most_held_, slices_.size() * slice_bytes_);
-  changed_.notify_all();
 }
 
 void ReadAheadSource::read_source(int first, int count, std::span<std::byte> out) {
@@ -106,7 +97,7 @@ bool ReadAheadSource::has(int first, int count) const {
 
 /// The mutex is held.
 bool ReadAheadSource::will_have(int first, int count) const {
-  if (ended_ || failure_ || no_room_) return false;
+  if (failure_ || no_room_) return false;
   for (int z = first; z < first + count; ++z) {
     const auto reads_it = [z](const SliceRun& run) { return z >= run.first && z < run.first + run.count; };
     const auto rest = runs_.begin() + std::ptrdiff_t(next_);

@@ -45,7 +45,6 @@ class ReadAheadSource final : public ForwardingSource {
   ReadAheadSource& operator=(const ReadAheadSource&) = delete;
 
   void read_slices(int first, int count, std::span<std::byte> out) override;
-  std::size_t most_held() const;  ///< bytes, so far
 
  private:
   struct Slice {
@@ -63,13 +62,12 @@ class ReadAheadSource final : public ForwardingSource {
   const std::vector<SliceRun> runs_;
   const std::size_t most_bytes_, slice_bytes_;
   std::mutex source_mutex_;
-  mutable std::mutex mutex_;  ///< guards what follows
+  std::mutex mutex_;  ///< guards what follows
   std::condition_variable changed_;
   std::map<int, Slice> slices_;
   std::size_t next_ = 0;  ///< into runs_
-  std::size_t most_held_ = 0;
   bool no_room_ = false;  ///< the thread waits for some
-  bool stop_ = false, ended_ = false;
+  bool stop_ = false;
   std::exception_ptr failure_;
   std::thread thread_;  ///< last: it uses all of the above
 };
