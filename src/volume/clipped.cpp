@@ -1,8 +1,11 @@
 #include "volume/clipped.hpp"
 
+#include <fmt/format.h>
+
 #include <cstring>
 #include <vector>
 
+#include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat {
@@ -29,6 +32,24 @@ class ClippedSource final : public ForwardingSource {
 };
 
 }  // namespace
+
+void check(const VoxelBox& box, const Grid& grid) {
+  for (const Axis axis : all_axes) {
+    const int k = static_cast<int>(axis), first = box.first[k], end = box.end[k], last = grid.dims[k];
+    if (0 <= first && first < end && end <= last) continue;
+    throw InputError(fmt::format("the clip box's {} part, {}:{}, {}", name(axis), first, end,
+                                 first < end ? fmt::format("does not lie within the volume's 0:{}", last)
+                                             : "has no voxel"),
+                     fmt::format("give 0 <= first < end <= {}", last));
+  }
+}
+
+Grid clipped_grid(const Grid& grid, const VoxelBox& box) {
+  Grid part = grid;
+  part.dims = box.dims();
+  part.origin += grid.direction * (grid.spacing * glm::dvec3(box.first));
+  return part;
+}
 
 void copy_clipped(const Grid& grid, const VoxelBox& box, const std::byte* slice, std::byte* out) {
   const std::size_t scalar = size_of(grid.type), pitch = std::size_t(grid.dims.x) * scalar,
