@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "volume/slice_ranges.hpp"
-
 namespace ringsplat {
 
 SliceRuns::SliceRuns(const BlockRanges& ranges, const TransferFunction& transfer_function, int width) {
@@ -41,21 +39,6 @@ std::span<const std::uint64_t> VisibleVoxels::of_row(const SliceView& slice, int
   return {masks, row_masks_};
 }
 
-const std::vector<bool>& EmptySpace::shown_slices(const SliceStore& store, Axis axis,
-                                                  const TransferFunction& transfer_function) {
-  if (transfer_function != shown_function_) {
-    shown_function_ = transfer_function;
-    for (auto& of_axis : shown_) of_axis.clear();
-  }
-  std::vector<bool>& shown = shown_[std::size_t(axis)];
-  if (!shown.empty()) return shown;
-  shown.assign(std::size_t(store.grid().slices(axis)), true);
-  if (store.ranges() == nullptr) return shown;
-  for (const SliceRange& range : store.ranges()->of(axis))
-    shown[std::size_t(range.slice)] = transfer_function.visible_within(range.low, range.high);
-  return shown;
-}
-
 VisibleVoxels& EmptySpace::voxels(const SliceView& view, const TransferFunction& transfer_function,
                                   const VoxelBox& box) {
   if (box != box_) {
@@ -66,18 +49,16 @@ VisibleVoxels& EmptySpace::voxels(const SliceView& view, const TransferFunction&
     transfer_function_ = transfer_function;
     finder_.emplace(transfer_function_, view.type, 1.0);
     for (auto& axis : slices_)
-      for (Slice& slice : axis) slice.current = false;
+      for (Slice& slice : axis) slice.voxels.reset();
   }
   auto& axis = slices_[std::size_t(view.axis)];
   if (axis.size() <= std::size_t(view.index)) axis.resize(std::size_t(view.index) + 1);
   Slice& slice = axis[std::size_t(view.index)];
   if (!slice.ranges) slice.ranges = std::make_unique<BlockRanges>(view);
-  if (!slice.current) {
-    slice.voxels = {SliceRuns(*slice.ranges, transfer_function, view.width), *finder_, view.width,
-                    view.height};
-    slice.current = true;
-  }
-  return slice.voxels;
+  if (!slice.voxels)
+    slice.voxels.emplace(SliceRuns(*slice.ranges, transfer_function, view.width), *finder_, view.width,
+                         view.height);
+  return *slice.voxels;
 }
 
 }  // namespace ringsplat

@@ -20,7 +20,6 @@ struct ColumnRun {
 /// Where a slice can have visible voxels; everywhere else it is transparent.
 class SliceRuns {
  public:
-  SliceRuns() = default;
   SliceRuns(const BlockRanges& ranges, const TransferFunction& transfer_function, int width);
   bool empty() const { return runs_.empty(); }
   std::span<const ColumnRun> of_row(int row) const {
@@ -37,7 +36,6 @@ class SliceRuns {
 /// Levoy 1994 (section 3.1) keep their runs, for all views of a transfer function.
 class VisibleVoxels {
  public:
-  VisibleVoxels() = default;
   /// `finder` must outlive it; how far it corrects opacities does not matter.
   VisibleVoxels(SliceRuns runs, const Classifier& finder, int width, int height);
   const SliceRuns& runs() const { return runs_; }
@@ -47,8 +45,8 @@ class VisibleVoxels {
 
  private:
   SliceRuns runs_;
-  const Classifier* finder_ = nullptr;
-  std::size_t row_masks_ = 0;
+  const Classifier* finder_;
+  std::size_t row_masks_;
   std::vector<std::uint64_t> masks_;  ///< [row][masks_of(width)]; none of a slice without runs
   std::vector<std::uint8_t> found_;   ///< by row: 1 when its masks are known
 };
@@ -63,24 +61,15 @@ class EmptySpace {
   VisibleVoxels& voxels(const SliceView& slice, const TransferFunction& transfer_function,
                         const VoxelBox& box = {});
 
-  /// By slice of the whole volume, other GPs' too, whether it may have visible voxels; all may when nothing
-  /// is known of them. Valid until the next call with another transfer function; voxels() stay valid, so
-  /// that a frame may ask while the one before it is encoded.
-  const std::vector<bool>& shown_slices(const SliceStore& store, Axis axis,
-                                        const TransferFunction& transfer_function);
-
  private:
   struct Slice {
     std::unique_ptr<BlockRanges> ranges;
-    VisibleVoxels voxels;
-    bool current = false;  ///< `voxels` are those of transfer_function_
+    std::optional<VisibleVoxels> voxels;  ///< of transfer_function_
   };
   VoxelBox box_;  ///< the part whose slices are kept
   TransferFunction transfer_function_;
   std::optional<Classifier> finder_;          ///< its
   std::array<std::vector<Slice>, 3> slices_;  ///< by axis and index
-  TransferFunction shown_function_;
-  std::array<std::vector<bool>, 3> shown_;  ///< its, by axis and index; empty until it is asked for
 };
 
 }  // namespace ringsplat

@@ -15,6 +15,7 @@
 #include "ringsplat/base/error.hpp"
 #include "splat_engine/row_band.hpp"
 #include "splat_engine/splat_engine.hpp"
+#include "volume/slice_ranges.hpp"
 
 namespace ringsplat {
 namespace {
@@ -45,14 +46,17 @@ class SliceEncoder final : public Encoder {
   }
 
   std::vector<int> shown() override {
-    const std::vector<bool>* may_show = nullptr;
-    if (skip_empty_)
-      may_show =
-          &empty_space_.shown_slices(store_, geometry().traversal.axis, announced_->shown.transfer_function);
-    const int first = geometry().box.first[static_cast<int>(geometry().traversal.axis)];
+    const Axis axis = geometry().traversal.axis;
+    // Of the whole volume, other GPs' too.
+    std::vector<bool> may_show(std::size_t(store_.grid().slices(axis)), true);
+    if (skip_empty_ && store_.ranges() != nullptr)
+      for (const SliceRange& range : store_.ranges()->of(axis))
+        may_show[std::size_t(range.slice)] =
+            announced_->shown.transfer_function.visible_within(range.low, range.high);
+    const int first = geometry().box.first[static_cast<int>(axis)];
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
-      if (may_show == nullptr || (*may_show)[std::size_t(first + slice_at(step))]) steps.push_back(step);
+      if (may_show[std::size_t(first + slice_at(step))]) steps.push_back(step);
     return steps;
   }
 
