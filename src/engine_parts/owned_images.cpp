@@ -1,6 +1,5 @@
 #include "engine_parts/owned_images.hpp"
 
-#include <algorithm>
 #include <utility>
 
 #include "net/message.hpp"
@@ -14,22 +13,12 @@ bool OwnedImages::begin_frame(const FrameGeometry& g, double opaque_threshold) {
   if (changed) {
     regions_ = g.regions;
     owners_ = std::move(owners);
-    std::vector<RegionImage> before = std::exchange(images_, {});
+    images_.clear();
     slot_of_region_.assign(std::size_t(regions_.count()), not_owned);
     owned_ = regions_.owned(renderer_, owners_);
     for (const int region : owned_) {
       slot_of_region_[std::size_t(region)] = images_.size();
-      const PixelRect rect = regions_.rect(region);
-      const auto like_it = std::find_if(before.begin(), before.end(), [&](const RegionImage& image) {
-        return image.rect().width() == rect.width() && image.rect().height() == rect.height();
-      });
-      if (like_it == before.end()) {
-        images_.emplace_back(rect);
-        continue;
-      }
-      images_.push_back(std::move(*like_it));
-      images_.back().move_to(rect);
-      before.erase(like_it);
+      images_.emplace_back(regions_.rect(region));
     }
   }
   for (RegionImage& image : images_) image.begin_frame(static_cast<float>(opaque_threshold));

@@ -27,8 +27,6 @@ class RegionImage {
   void begin_frame(float opaque_threshold);
 
   const PixelRect& rect() const { return rect_; }
-  /// Makes it the image of another region of the same size, which keeps the memory; begin a frame then.
-  void move_to(const PixelRect& rect) { rect_ = rect; }
   float opaque_threshold() const { return opaque_threshold_; }
   /// False when pixels() was not called in this frame: the region is transparent.
   bool touched() const { return touched_; }
