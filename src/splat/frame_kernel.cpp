@@ -15,15 +15,8 @@ namespace ringsplat {
 std::string name(KernelMethod method) { return method == KernelMethod::qee ? "qee" : "texture"; }
 
 std::string name(Normalisation normalisation) {
-  switch (normalisation) {
-    case Normalisation::none:
-      return "none";
-    case Normalisation::constant:
-      return "constant";
-    case Normalisation::exact:
-      break;
-  }
-  return "exact";
+  constexpr const char* names[] = {"none", "constant", "exact"};
+  return names[static_cast<int>(normalisation)];
 }
 
 void check(const KernelOptions& options, double radius) {
