@@ -28,26 +28,19 @@ int whole(const DicomFile& file, DicomTag tag, int otherwise, int least, int mos
   return int(value);
 }
 
-constexpr std::pair<std::string_view, DicomCodec> transfer_syntaxes[] = {
-    {"", DicomCodec::none},
-    {"1.2.840.10008.1.2", DicomCodec::none},
-    {"1.2.840.10008.1.2.1", DicomCodec::none},
-    {"1.2.840.10008.1.2.1.99", DicomCodec::none},
-    {"1.2.840.10008.1.2.2", DicomCodec::none},
-    {"1.2.840.10008.1.2.5", DicomCodec::rle},
-    {"1.2.840.10008.1.2.4.50", DicomCodec::jpeg},
-    {"1.2.840.10008.1.2.4.51", DicomCodec::jpeg},
-    {"1.2.840.10008.1.2.4.57", DicomCodec::jpeg},
-    {"1.2.840.10008.1.2.4.70", DicomCodec::jpeg},
-    {"1.2.840.10008.1.2.4.80", DicomCodec::jpeg},
-    {"1.2.840.10008.1.2.4.81", DicomCodec::jpeg},
-    {"1.2.840.10008.1.2.4.90", DicomCodec::jpeg_2000},
-    {"1.2.840.10008.1.2.4.91", DicomCodec::jpeg_2000},
-};
+/// Transfer syntaxes by what follows the root that all have.
+constexpr std::pair<const char*, DicomCodec> transfer_syntaxes[] = {
+    {".1 .1.99 .2", DicomCodec::none},
+    {".5", DicomCodec::rle},
+    {".4.50 .4.51 .4.57 .4.70 .4.80 .4.81", DicomCodec::jpeg},
+    {".4.90 .4.91", DicomCodec::jpeg_2000}};
 
 DicomCodec codec_of(const DicomFile& file) {
-  for (const auto& [uid, codec] : transfer_syntaxes)
-    if (uid == file.transfer_syntax) return codec;
+  const std::string root = "1.2.840.10008.1.2";
+  if (file.transfer_syntax.empty() || file.transfer_syntax == root) return DicomCodec::none;
+  for (const auto& [ends, codec] : transfer_syntaxes)
+    for (const auto& end : words_of(ends))
+      if (file.transfer_syntax == root + end) return codec;
   refuse(file.path, convert_hint, "its pixels are encoded as '{}' (transfer syntax)",
          excerpt(file.transfer_syntax));
 }

@@ -121,16 +121,17 @@ void require_alike(const std::vector<DicomFrame>& images) {
   }
 }
 
-DicomPlacing placing_of(const Grid& image, const VolumeChoice& choice, const std::filesystem::path& where) {
-  return {.normal = glm::normalize(glm::cross(image.direction[0], image.direction[1])),
-          .pixel = std::min(image.spacing.x, image.spacing.y),
-          .frame = choice.frame,
-          .where = where.string(),
-          .name_of = {}};
-}
-
-/// The third axis comes from the slices' positions: a tilted gantry shears the lattice.
-void place(const DicomStack& stack, const std::filesystem::path& where, Grid& grid) {
+/// `grid`: of an image, becomes that of the stack. The third axis comes from the slices' positions: a tilted
+/// gantry shears the lattice.
+DicomStack stack_up(const std::vector<DicomPlane>& planes, const VolumeChoice& choice,
+                    const std::filesystem::path& where, std::function<std::string(std::size_t)> name_of,
+                    Grid& grid) {
+  auto stack =
+      stack_planes(planes, {.normal = glm::normalize(glm::cross(grid.direction[0], grid.direction[1])),
+                            .pixel = std::min(grid.spacing.x, grid.spacing.y),
+                            .frame = choice.frame,
+                            .where = where.string(),
+                            .name_of = std::move(name_of)});
   grid.dims.z = int(stack.slices.size());
   grid.origin = stack.origin;
   if (stack.slices.size() > 1) {
@@ -138,6 +139,7 @@ void place(const DicomStack& stack, const std::filesystem::path& where, Grid& gr
     grid.direction[2] = stack.step / grid.spacing.z;
   }
   check_lattice(grid, where.string());
+  return stack;
 }
 
 /// The images of a series that can be read; warns of the others. Throws the first complaint when none can.
@@ -168,10 +170,8 @@ std::unique_ptr<VolumeSource> open_series(const DicomSeries& series, const Volum
     if (image.grid.type != grid.type) grid.type = ScalarType::float32;
   std::vector<DicomPlane> planes;
   for (const auto& image : images) planes.push_back(image.plane);
-  auto placing = placing_of(grid, choice, where);
-  placing.name_of = [&](std::size_t i) { return images[i].file.filename().string(); };
-  auto stack = stack_planes(planes, placing);
-  place(stack, where, grid);
+  const auto name_of = [&](std::size_t i) { return images[i].file.filename().string(); };
+  auto stack = stack_up(planes, choice, where, name_of, grid);
   times = stack.frames;
   return std::make_unique<DicomSource>(grid, std::move(images), std::move(stack.slices));
 }
@@ -187,10 +187,8 @@ std::unique_ptr<VolumeSource> open_frames(const DicomHeader& header, const Volum
     grid.spacing = {planes->spacing.x, planes->spacing.y, grid.spacing.z};
     grid.direction[0] = planes->row;
     grid.direction[1] = planes->column;
-    auto placing = placing_of(grid, choice, header.file);
-    placing.name_of = [](std::size_t i) { return fmt::format("frame {}", i); };
-    auto stack = stack_planes(planes->planes, placing);
-    place(stack, header.file, grid);
+    const auto name_of = [](std::size_t i) { return fmt::format("frame {}", i); };
+    auto stack = stack_up(planes->planes, choice, header.file, name_of, grid);
     slices = std::move(stack.slices);
     times = stack.frames;
   } else if (grid.spacing.z < 0) {  // the frames go against the normal

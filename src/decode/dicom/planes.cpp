@@ -89,19 +89,18 @@ void require_even_counts(const std::vector<Images>& places, const DicomPlacing& 
          least->size(), most->size());
 }
 
-/// An even lattice through the positions: which of its places each one has, and how far the worst is off.
+/// An even lattice through the positions: which of its places each one has.
 struct Lattice {
   std::vector<std::size_t> places;
   glm::dvec3 step{0};
-  double off = 0;         ///< in steps
-  std::size_t worst = 0;  ///< number of that position
+  double off = 0;  ///< how far the worst position is off, in steps
   std::size_t missing() const { return places.back() + 1 - places.size(); }
 };
 
 /// `step`: a guess. Nothing when positions share a place.
 std::optional<Lattice> lattice_through(const std::vector<glm::dvec3>& positions, double step) {
   constexpr std::size_t most_places = 1 << 20;
-  Lattice lattice{.places = {0}, .step = {}, .off = 0, .worst = 0};
+  Lattice lattice{.places = {0}, .step = {}, .off = 0};
   for (std::size_t i = 1; i < positions.size(); ++i) {
     const double steps = std::round(glm::distance(positions[i], positions[i - 1]) / step);
     if (!(steps >= 1) || steps > double(most_places)) return {};
@@ -111,9 +110,7 @@ std::optional<Lattice> lattice_through(const std::vector<glm::dvec3>& positions,
   lattice.step = (positions.back() - positions.front()) / double(lattice.places.back());
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const auto even = positions.front() + double(lattice.places[i]) * lattice.step;
-    const double off = glm::distance(positions[i], even) / glm::length(lattice.step);
-    if (off > lattice.off) lattice.worst = i;
-    lattice.off = std::max(lattice.off, off);
+    lattice.off = std::max(lattice.off, glm::distance(positions[i], even) / glm::length(lattice.step));
   }
   return lattice;
 }
