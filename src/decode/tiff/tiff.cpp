@@ -25,12 +25,6 @@
 namespace ringsplat::detail {
 namespace {
 
-/// What a pixel's numbers are and which is taken.
-struct TiffSamples {
-  int count = 1;
-  ChannelChoice taken{0};
-};
-
 /// Reads slices by number, so every process reads its own. All have the grid's size and type, which are those
 /// of interleaved samples.
 class TiffSource final : public LayeredSource {
@@ -84,28 +78,24 @@ std::vector<std::filesystem::path> files_at(const std::filesystem::path& path) {
 /// What is taken of each file.
 struct Taken {
   std::int64_t channel = 0, frame = 0;  ///< of its planes
-  TiffSamples samples;
+  ChannelChoice sample{0};              ///< of a pixel's numbers
 };
-
-TiffSamples take_samples(const TiffFile& file, const std::string& wanted) {
-  TiffSamples samples{.count = file.samples, .taken = {.index = 0}};
-  const bool several_planes = file.microscopy.channels > 1;
-  const bool grey_and_alpha = file.samples == 2 && file.has_alpha;
-  constexpr int most_colours = 4;
-  if (file.samples == 1 || (grey_and_alpha && wanted.empty())) return samples;
-  samples.taken = choose_channel(several_planes ? std::string() : wanted, file.samples,
-                                 file.samples == 3 || file.samples == most_colours, file.path.string());
-  return samples;
-}
 
 Taken take(const TiffFile& file, const VolumeChoice& choice) {
   Taken taken;
-  // Colours within a page are told apart by take_samples().
-  if (file.microscopy.channels > 1)
-    taken.channel = choose_named_channel(choice.channel, file.microscopy.channels, file.microscopy.names,
-                                         file.path.string());
-  taken.samples = take_samples(file, choice.channel);
-  taken.frame = chosen_frame(choice, int(file.microscopy.frames), "time points", file.path.string());
+  const auto where = file.path.string();
+  auto of_samples = choice.channel;
+  if (file.microscopy.channels > 1) {
+    taken.channel =
+        choose_named_channel(choice.channel, file.microscopy.channels, file.microscopy.names, where);
+    of_samples.clear();
+  }
+  const bool grey_and_alpha = file.samples == 2 && file.has_alpha && choice.channel.empty();
+  constexpr int most_colours = 4;
+  if (file.samples > 1 && !grey_and_alpha)
+    taken.sample =
+        choose_channel(of_samples, file.samples, file.samples == 3 || file.samples == most_colours, where);
+  taken.frame = chosen_frame(choice, int(file.microscopy.frames), "time points", where);
   return taken;
 }
 
@@ -186,10 +176,9 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
   const int channels = int(first->microscopy.channels);
   notes.channels = channels > 1 ? channels : first->samples;
   check_lattice(grid, path.string());
-  const auto& [samples, channel] = taken.samples;
   std::unique_ptr<VolumeSource> source = std::make_unique<TiffSource>(
-      interleaved_grid(grid, samples, path.string()), std::move(slices), samples);
-  return with_notes(channel_source(std::move(source), grid, samples, channel), notes);
+      interleaved_grid(grid, first->samples, path.string()), std::move(slices), first->samples);
+  return with_notes(channel_source(std::move(source), grid, first->samples, taken.sample), notes);
 }
 
 }  // namespace ringsplat::detail
