@@ -10,7 +10,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -53,12 +52,6 @@ struct MetaHeader {
 };
 
 constexpr std::uint64_t longest_header = 1 << 20;  // bytes; a header has a few hundred
-
-constexpr std::string_view known_keys =
-    " ObjectType NDims DimSize ElementType ElementNumberOfChannels ElementSpacing ElementSize Offset "
-    "Position "
-    "Origin ImagePosition TransformMatrix Rotation Orientation BinaryData BinaryDataByteOrderMSB "
-    "ElementByteOrderMSB CompressedData CompressedDataSize HeaderSize ElementDataFile ";
 
 /// Reads and checks every field that matters here, and only the form of other lines. (MetaIO itself does not
 /// check.) Throws InputError naming the file and the field.
@@ -114,13 +107,12 @@ class MetaReader {
     if (separator == std::string::npos)
       fail_header(fmt::format("line {}, '{}', is not 'key = value'", number, excerpt(line)));
     const auto key = one_line(line.substr(0, separator));
-    const bool known = known_keys.find(" " + key + " ") != std::string_view::npos;
-    if (known && !values_.emplace(key, trimmed(line.substr(separator + 1))).second)
-      fail_header(fmt::format("{} is given twice", key));
+    values_.emplace(key, trimmed(line.substr(separator + 1)));
     return key == "ElementDataFile";
   }
 
   std::optional<std::string> value(const std::string& key) const {
+    if (values_.count(key) > 1) fail_header(fmt::format("{} is given twice", key));
     const auto found = values_.find(key);
     return found == values_.end() ? std::nullopt : std::optional(found->second);
   }
@@ -217,7 +209,7 @@ class MetaReader {
   }
 
   InputFile file_;
-  std::map<std::string, std::string> values_;
+  std::multimap<std::string, std::string> values_;
   std::uint64_t end_ = 0;
 };
 
