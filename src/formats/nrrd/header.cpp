@@ -101,22 +101,17 @@ class NrrdFields {
   }
   /// The vectors "(1,2,3)" of as many finite numbers, empty ones for "none"; none when the field is missing.
   std::vector<std::vector<double>> vectors(const std::string& field, int axes_of_space) const {
-    const std::string text = value(field), blanks = " \t";
+    const std::string text = value(field);
     std::vector<std::vector<double>> list;
-    for (auto at = text.find_first_not_of(blanks); at < text.size();
-         at = text.find_first_not_of(blanks, at)) {
+    for (std::string_view rest = text; !rest.empty();
+         rest.remove_prefix(std::min(rest.find_first_not_of(" \t"), rest.size()))) {
       if (axes_of_space == 0) fail_nrrd(path_, fmt::format("its {} has no space, or space dimension", field));
-      if (text[at] != '(') {
-        const auto end = std::min(text.find_first_of(blanks, at), text.size());
-        if (text.substr(at, end - at) != "none") fail(field);
-        list.emplace_back();
-        at = end;
-        continue;
-      }
-      const auto end = text.find(')', at);
-      if (end == std::string::npos) fail(field);
-      list.push_back(vector_in(text.substr(at + 1, end - at - 1), field, axes_of_space));
-      at = end + 1;
+      const bool none = rest.starts_with("none");
+      const auto bytes = none ? 4 : rest.find(')') + 1;
+      if (!none && (rest.front() != '(' || bytes == 0)) fail(field);
+      auto& vector = list.emplace_back();
+      if (!none) vector = vector_in(rest.substr(1, bytes - 2), field, axes_of_space);
+      rest.remove_prefix(bytes);
     }
     return list;
   }
@@ -145,11 +140,11 @@ class NrrdFields {
       fail_nrrd(path_, fmt::format("'{}' is given twice", excerpt(line.substr(0, colon))));
   }
 
-  std::vector<double> vector_in(const std::string& text, const std::string& field, int axes_of_space) const {
+  std::vector<double> vector_in(std::string_view text, const std::string& field, int axes_of_space) const {
     std::vector<double> vector;
     for (std::size_t at = 0; at <= text.size();) {
       const auto comma = std::min(text.find(',', at), text.size());
-      const auto number = number_in<double>(lower_case(trimmed(text.substr(at, comma - at))));
+      const auto number = number_in<double>(lower_case(trimmed(std::string(text.substr(at, comma - at)))));
       if (!number || std::isinf(*number)) fail(field);
       vector.push_back(*number);
       at = comma + 1;
