@@ -18,20 +18,13 @@ namespace {
 
 /// Throws InputError when the file cannot hold `bytes` bytes of voxels.
 void require_room(const StoredVoxels& stored, std::uint64_t size, std::uint64_t bytes) {
-  switch (stored.encoding) {
-    case Encoding::deflate:
-      return require_compressed_bytes(stored.file, size - std::min(size, stored.offset), bytes,
-                                      deflate_best_ratio);
-    case Encoding::hex:
-      return require_bytes(stored.file, size, stored.offset, 2 * bytes);
-    case Encoding::text:
-      // A digit and a blank for each number, but for the last.
-      return require_bytes(stored.file, std::min(size, stored.end), stored.offset,
-                           bytes / size_of(stored.type) * 2 - 1);
-    case Encoding::raw:
-    case Encoding::base64:
-      return require_bytes(stored.file, size, stored.offset, bytes);
-  }
+  if (stored.encoding == Encoding::deflate)
+    return require_compressed_bytes(stored.file, size - std::min(size, stored.offset), bytes,
+                                    deflate_best_ratio);
+  if (stored.encoding == Encoding::hex) bytes *= 2;
+  // A digit and a blank for each number, but for the last.
+  if (stored.encoding == Encoding::text) bytes = bytes / size_of(stored.type) * 2 - 1;
+  require_bytes(stored.file, std::min(size, stored.end), stored.offset, bytes);
 }
 
 class StoredSource final : public VolumeSource {
