@@ -3,10 +3,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <type_traits>
+#include <utility>
+#include <variant>
 
+#include "base/archive.hpp"
 #include "frame/frame_fields.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/base/error.hpp"
@@ -147,6 +152,17 @@ void check_mode(const Shown& shown, const Method& method) {
     throw InputError("--isovalue is not a finite number", "give a value of the volume");
 }
 
+/// Reads the method's index among Method's alternatives.
+void take_method(FromBytes& archive, Method& how) {
+  std::uint8_t index = 0;
+  archive(index);
+  const auto take_it = [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return ((index == I && (how.emplace<I>(), true)) || ...);
+  };
+  if (!archive.ok() || !take_it(std::make_index_sequence<std::variant_size_v<Method>>()))
+    throw RunError("a frame announcement cannot be read", "all ranks must run the same build");
+}
+
 }  // namespace
 
 const char* name(Interpolation interpolation) {
@@ -180,6 +196,25 @@ void check(const FrameSpec& spec) {
   std::visit([](const auto& how) { check(how); }, spec.how);
   check_projection(spec.shown.camera, spec.how);
   check_mode(spec.shown, spec.how);
+}
+
+Bytes encode(const FrameSpec& spec) { return to_bytes(std::uint8_t(spec.how.index()), spec); }
+
+std::string method_of(std::span<const std::byte> bytes) {
+  Method how;
+  FromBytes archive(bytes);
+  take_method(archive, how);
+  return name(how);
+}
+
+FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
+  FrameSpec spec;
+  FromBytes archive(bytes);
+  take_method(archive, spec.how);
+  archive(spec);
+  if (!archive.ok() || !archive.at_end())
+    throw RunError("a frame announcement cannot be read", "all ranks must run the same build");
+  return spec;
 }
 
 std::string to_json_text(const FrameSpec& spec) {
