@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <map>
+#include <optional>
 #include <sstream>
 
-#include "base/text.hpp"
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
@@ -100,6 +102,89 @@ quality = "best"
 
 namespace {
 
+/// What reads each key of a section.
+using Keys = std::map<std::string, Reader>;
+
+std::optional<std::vector<double>> finite_numbers(const std::string& text) {
+  auto numbers = parse_numbers(text);
+  if (numbers && !std::all_of(numbers->begin(), numbers->end(), [](double v) { return std::isfinite(v); }))
+    numbers.reset();
+  return numbers;
+}
+
+Camera view_from(const std::string& text, const std::string& key) {
+  const auto n = finite_numbers(text).value_or(std::vector<double>());
+  if (n.size() < 2 || n.size() > 4) refuse_word(key, text, "give azimuth and elevation [roll [zoom]]");
+  Camera camera{.azimuth = n[0], .elevation = n[1]};
+  if (n.size() > 2) camera.roll = n[2];
+  if (n.size() > 3) camera.zoom = n[3];
+  return camera;
+}
+
+void add_sweep(std::string text, const std::string& key, std::vector<Camera>& views) {
+  std::replace(text.begin(), text.end(), ':', ' ');
+  const auto n = finite_numbers(text).value_or(std::vector<double>());
+  if (n.size() != 3 || !(n[2] > 0) || !((n[1] - n[0]) / n[2] < 1e5))
+    refuse_word(key, text, "give FROM:TO:STEP");
+  for (int k = 0; n[0] + k * n[2] <= n[1] + 1e-9; ++k) views.push_back({.azimuth = n[0] + k * n[2]});
+}
+
+Keys keys_of(StudyList& list) {
+  const auto set_size = [&list](const std::string& text, const std::string& key) {
+    const Size size = parse_size(text, key);
+    list.width = size.width;
+    list.height = size.height;
+  };
+  const auto set_truths = [&list](const Words& words, const std::string& key) {
+    list.truths.clear();
+    for (const auto& name : words) list.truths.push_back(truth_from(name, key));
+  };
+  const auto add_views = [&list](const Words& words, const std::string& key) {
+    for (const auto& view : words) list.views.push_back(view_from(view, key));
+  };
+  return {
+      {"repetitions", value(list.repetitions, {1, 1'000'000})},
+      {"error_pixels", value(list.error_pixels, {1, std::size_t(1) << 30})},
+      {"seed", value(list.seed)},
+      {"size", text(set_size)},
+      {"truths", {.read = set_truths, .repeats = true}},
+      {"views", {.read = add_views, .repeats = true}},
+      {"sweep", text([&list](const auto& range, const auto& key) { add_sweep(range, key, list.views); })}};
+}
+
+/// Puts the options of those names among the keys.
+void add_options(RenderOptions& o, std::initializer_list<const char*> those, Keys& keys) {
+  OptionList list;
+  for (const auto& add :
+       {add_method_options, add_picture_options, add_shortcut_options, add_size_options, add_clip_options})
+    add(list, o);
+  for (const std::string name : those) {
+    std::string option = "--" + name;
+    std::replace(option.begin(), option.end(), '_', '-');
+    keys[name] = list.find(option)->reader;
+  }
+}
+
+Keys keys_of(StudyList::Scene& s) {
+  Keys keys{{"synth", value(s.synth)},
+            {"volume", value(s.options.volume.path)},
+            {"dims", parsed(s.dims, parse_dims)},
+            {"type", parsed(s.type, [](const auto& name, const auto&) { return scalar_type_from(name); })}};
+  add_options(s.options, {"tf", "range", "opacity", "colours", "log", "interpolation", "clip"}, keys);
+  return keys;
+}
+
+Keys keys_of(StudyList::Setting& s) {
+  Shown& shown = s.options.frame.shown;
+  Keys keys{{"opacity_correction", choice(shown.opacity_correction, {{"true", true}, {"false", false}})},
+            {"phong", choice(shown.shading, {{"true", Shading::phong}, {"false", Shading::none}})}};
+  add_options(s.options,
+              {"radius", "kernel", "phases", "qee_bits", "normalisation", "region", "image_plane", "samples",
+               "engine", "quality", "slabs", "light_points"},
+              keys);
+  return keys;
+}
+
 class ListReader {
  public:
   ListReader(const std::string& toml, std::string where) : where_(std::move(where)) {
@@ -113,73 +198,40 @@ class ListReader {
   }
 
   StudyList read() {
-    for (const auto& item : items_) {
-      if (item.name == "++" || item.name == "--") continue;  // CLI11's marks of a section's start and end
-      const std::string kind = item.parents.empty() ? "" : item.parents.front();
-      if (item.parents.empty())
-        top_level(item);
-      else if (kind == "scene" && item.parents.size() > 1)
-        scene(item, named(list_.scenes, name_of(item)));
-      else if (kind == "setting" && item.parents.size() > 1)
-        setting(item, named(list_.settings, name_of(item)));
-      else
-        wrong(item, "is in no section [scene.NAME] or [setting.NAME]");
-    }
+    for (const auto& item : items_)
+      if (item.name != "++" && item.name != "--")  // CLI11's marks of a section's start and end
+        take(item, keys_for(item));
     for (auto& s : list_.settings) settle(s);
     check();
     return list_;
   }
 
  private:
-  /// The name after [scene. or [setting. ; it may contain dots.
-  static std::string name_of(const CLI::ConfigItem& item) {
-    return joined({item.parents.begin() + 1, item.parents.end()}, ".");
+  Keys keys_for(const CLI::ConfigItem& item) {
+    if (item.parents.empty()) return keys_of(list_);
+    // What follows [scene. or [setting. may contain dots.
+    const std::string kind = item.parents.front(),
+                      name = joined({item.parents.begin() + 1, item.parents.end()}, ".");
+    if (!name.empty() && kind == "scene") return keys_of(named(list_.scenes, name));
+    if (!name.empty() && kind == "setting") return keys_of(named(list_.settings, name));
+    wrong(item, "is in no section [scene.NAME] or [setting.NAME]");
+  }
+
+  void take(const CLI::ConfigItem& item, const Keys& keys) const {
+    const auto key = keys.find(item.name);
+    if (key == keys.end())
+      wrong(item, "is no key of a " + (item.parents.empty() ? "study" : item.parents.front()));
+    if (!key->second.repeats && item.inputs.size() != 1) wrong(item, "needs one value");
+    try {
+      key->second.read(item.inputs, item.fullname());
+    } catch (const InputError& e) {
+      throw InputError(fmt::format("{}: {}", where_, e.what()));
+    }
   }
 
   [[noreturn]] void wrong(const CLI::ConfigItem& item, const std::string& problem) const {
     throw InputError(fmt::format("{}: {} {}", where_, item.fullname(), problem),
                      "ringsplat study --list shows what a list may say");
-  }
-  std::string text(const CLI::ConfigItem& item) const {
-    if (item.inputs.size() != 1) wrong(item, "needs one value");
-    return item.inputs.front();
-  }
-  double number(const CLI::ConfigItem& item, const std::string& word) const {
-    double value = 0;
-    if (!CLI::detail::lexical_cast(word, value) || !std::isfinite(value))
-      wrong(item, fmt::format("is '{}', not a number", word));
-    return value;
-  }
-  std::vector<double> numbers(const CLI::ConfigItem& item, const std::string& words) const {
-    std::vector<double> all;
-    for (const std::string& word : detail::words_of(words)) all.push_back(number(item, word));
-    return all;
-  }
-
-  int count(const CLI::ConfigItem& item, double least, double most) const {
-    const double value = number(item, text(item));
-    if (!(value >= least && value <= most) || value != std::floor(value))
-      wrong(item, fmt::format("is {}, not a whole number from {} to {}", text(item), least, most));
-    return static_cast<int>(value);
-  }
-  bool flag(const CLI::ConfigItem& item) const {
-    const std::string word = text(item);
-    if (word != "true" && word != "false") wrong(item, fmt::format("is '{}', neither true nor false", word));
-    return word == "true";
-  }
-
-  /// Reads a key as the option of that name, if it is one of `those`.
-  bool option(const CLI::ConfigItem& item, RenderOptions& o,
-              std::initializer_list<std::string_view> those) const {
-    if (std::find(those.begin(), those.end(), item.name) == those.end()) return false;
-    OptionList list;
-    for (const auto& add :
-         {add_method_options, add_picture_options, add_shortcut_options, add_size_options, add_clip_options})
-      add(list, o);
-    std::string name = "--" + item.name;
-    std::replace(name.begin(), name.end(), '_', '-');
-    list.find(name)->reader.read({text(item)}, item.fullname());
-    return true;
   }
 
   template <class T>
@@ -189,74 +241,6 @@ class ListReader {
     list.emplace_back();
     list.back().name = name;
     return list.back();
-  }
-
-  void top_level(const CLI::ConfigItem& item) {
-    if (item.name == "repetitions")
-      list_.repetitions = count(item, 1, 1e6);
-    else if (item.name == "error_pixels")
-      list_.error_pixels = std::size_t(count(item, 1, 1 << 30));
-    else if (item.name == "seed")
-      list_.seed = std::uint64_t(count(item, 0, 1 << 30));
-    else if (item.name == "size") {
-      const Size size = parse_size(text(item), item.name);
-      list_.width = size.width;
-      list_.height = size.height;
-    } else if (item.name == "truths") {
-      list_.truths.clear();
-      for (const auto& name : item.inputs) list_.truths.push_back(truth_from(name, "truths"));
-    } else if (item.name == "views") {
-      for (const auto& view : item.inputs) list_.views.push_back(view_of(item, view));
-    } else if (item.name == "sweep") {
-      sweep(item);
-    } else {
-      wrong(item, "is no key of a study");
-    }
-  }
-
-  Camera view_of(const CLI::ConfigItem& item, const std::string& words) const {
-    const std::vector<double> values = numbers(item, words);
-    if (values.size() < 2 || values.size() > 4)
-      wrong(item, fmt::format("has '{}', not azimuth and elevation [roll [zoom]]", words));
-    Camera camera{.azimuth = values[0], .elevation = values[1]};
-    if (values.size() > 2) camera.roll = values[2];
-    if (values.size() > 3) camera.zoom = values[3];
-    return camera;
-  }
-
-  void sweep(const CLI::ConfigItem& item) {
-    std::string words = text(item);
-    std::replace(words.begin(), words.end(), ':', ' ');
-    const std::vector<double> values = numbers(item, words);
-    if (values.size() != 3 || !(values[2] > 0) || !((values[1] - values[0]) / values[2] < 1e5))
-      wrong(item, "is not FROM:TO:STEP");
-    for (int k = 0; values[0] + k * values[2] <= values[1] + 1e-9; ++k)
-      list_.views.push_back({.azimuth = values[0] + k * values[2]});
-  }
-
-  void scene(const CLI::ConfigItem& item, StudyList::Scene& s) const {
-    if (item.name == "synth")
-      s.synth = text(item);
-    else if (item.name == "volume")
-      s.options.volume.path = text(item);
-    else if (item.name == "dims")
-      s.dims = parse_dims(text(item), item.fullname());
-    else if (item.name == "type")
-      s.type = scalar_type_from(text(item));
-    else if (!option(item, s.options, {"tf", "range", "opacity", "colours", "log", "interpolation", "clip"}))
-      wrong(item, "is no key of a scene");
-  }
-
-  void setting(const CLI::ConfigItem& item, StudyList::Setting& s) const {
-    auto& shown = s.options.frame.shown;
-    if (item.name == "opacity_correction")
-      shown.opacity_correction = flag(item);
-    else if (item.name == "phong")
-      shown.shading = flag(item) ? Shading::phong : Shading::none;
-    else if (!option(item, s.options,
-                     {"radius", "kernel", "phases", "qee_bits", "normalisation", "region", "image_plane",
-                      "samples", "engine", "quality", "slabs", "light_points"}))
-      wrong(item, "is no key of a setting");
   }
 
   /// Throws InputError that names the setting when its keys contradict each other.
