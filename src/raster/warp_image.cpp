@@ -76,8 +76,8 @@ HWY_INLINE void find_taps(double start, double step, int first, int count, std::
 }
 
 /// Clamps what the cubic's negative lobes bring out of range.
-template <class D>
-HWY_INLINE hn::Vec<D> clamp_pixels(D d, hn::Vec<D> rgba) {
+HWY_INLINE hn::Vec<FourFloats> clamp_pixel(hn::Vec<FourFloats> rgba) {
+  const FourFloats d;
   const auto zero = hn::Zero(d);
   const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(rgba), zero), hn::Set(d, 1.0F));
   return hn::Min(hn::Max(rgba, zero), opacity);
@@ -97,57 +97,19 @@ HWY_INLINE void find_places(const WarpedRow& row, int first, int count, Places& 
   for (int k = 0; k < count; ++k) places.tap[k] = rows[k] * row.row_floats + columns[k] * std::ptrdiff_t{4};
 }
 
-/// The columns' weights in the `part`-th vector of a row of taps, each repeated over its pixel's floats.
-template <int part>
-HWY_INLINE FloatVector column_weights(const Places& places, int k) {
-  const auto one = [&](std::size_t column) { return hn::Set(FourFloats(), places.wx[column][k]); };
-#if HWY_MAX_BYTES >= 64
-  const hn::Half<Floats> two;
-  return hn::Combine(Floats(), hn::Combine(two, one(3), one(2)), hn::Combine(two, one(1), one(0)));
-#elif HWY_MAX_BYTES == 32
-  return hn::Combine(Floats(), one(2 * part + 1), one(2 * part));
-#else
-  return one(part);
-#endif
-}
-
-/// The `part`-th vector of columns: each is the weighted sum of four taps.
-template <int part>
-HWY_INLINE FloatVector columns(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k) {
-  const Floats d;
-  const float* tap = taps + std::size_t{part} * lanes;
-  auto sum = hn::Mul(hn::Set(d, places.wy[0][k]), hn::LoadU(d, tap));
-  for (int row = 1; row < 4; ++row)
-    sum = fused(hn::Set(d, places.wy[row][k]), hn::LoadU(d, tap + row * row_floats), sum);
-  return hn::Mul(column_weights<part>(places, k), sum);
-}
-
-/// Returns (c0 + c1) + (c2 + c3) of the columns c.
+/// Returns (c0 + c1) + (c2 + c3) of the columns c, each the weighted sum of four taps. `taps`: the first of
+/// four pixels in the first of four rows. `k`: which of the places' weights they have.
 HWY_INLINE hn::Vec<FourFloats> sum_columns(const float* taps, std::ptrdiff_t row_floats, const Places& places,
                                            int k) {
-#if HWY_MAX_BYTES >= 64
-  const hn::Half<Floats> two;
-  const hn::Half<hn::Half<Floats>> one;
-  const auto all = columns<0>(taps, row_floats, places, k);
-  const auto left = hn::LowerHalf(two, all), right = hn::UpperHalf(two, all);
-  return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
-                 hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
-#elif HWY_MAX_BYTES == 32
-  const hn::Half<Floats> one;
-  const auto left = columns<0>(taps, row_floats, places, k), right = columns<1>(taps, row_floats, places, k);
-  return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
-                 hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
-#else
-  return hn::Add(hn::Add(columns<0>(taps, row_floats, places, k), columns<1>(taps, row_floats, places, k)),
-                 hn::Add(columns<2>(taps, row_floats, places, k), columns<3>(taps, row_floats, places, k)));
-#endif
-}
-
-/// `taps`: the first of four pixels in the first of four rows. `k`: which of the places' weights they have.
-HWY_INLINE void interpolate(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k,
-                            float* out) {
   const FourFloats d;
-  hn::StoreU(clamp_pixels(d, sum_columns(taps, row_floats, places, k)), d, out);
+  const auto column = [&](int c) {
+    const float* tap = taps + std::ptrdiff_t{4} * c;
+    auto sum = hn::Mul(hn::Set(d, places.wy[0][k]), hn::LoadU(d, tap));
+    for (int row = 1; row < 4; ++row)
+      sum = fused(hn::Set(d, places.wy[row][k]), hn::LoadU(d, tap + row * row_floats), sum);
+    return hn::Mul(hn::Set(d, places.wx[c][k]), sum);
+  };
+  return hn::Add(hn::Add(column(0), column(1)), hn::Add(column(2), column(3)));
 }
 
 /// Fills the row's pixels first … end − 1, each from sixteen pixels of the plane. `screen`: the row's first
@@ -158,73 +120,18 @@ void WarpRow(const WarpedRow& row, float* screen) {
     const int count = std::min(row.end - first, most_places);
     find_places(row, first, count, places);
     for (int k = 0; k < count; ++k)
-      interpolate(row.plane + places.tap[k], row.row_floats, places, k,
+      store_pixel(clamp_pixel(sum_columns(row.plane + places.tap[k], row.row_floats, places, k)),
                   screen + std::ptrdiff_t{4} * (first + k));
   }
 }
 
-#if HWY_MAX_BYTES >= 32
-
-using TwoPixels = hn::CappedTag<float, 8>;
-using Pair = hn::Vec<TwoPixels>;
-
-struct FourWeights {
-  Pair near, far;  ///< of two pixels, each over its pixel's floats
-  static HWY_INLINE FourWeights get(const float (*weights)[most_places], int k) {
-    const auto one = [&](int tap) { return hn::Set(FourFloats(), weights[tap][k]); };
-    return {hn::Combine(TwoPixels(), one(1), one(0)), hn::Combine(TwoPixels(), one(3), one(2))};
-  }
-};
-
-HWY_INLINE Pair weigh(const float* p, const FourWeights& w, const float* q, const FourWeights& v) {
-  const TwoPixels d;
-  const auto sums = [&](const float* pixels, const FourWeights& of) {
-    return fused(of.far, hn::LoadU(d, pixels + 8), hn::Mul(of.near, hn::LoadU(d, pixels)));
-  };
-  const auto first = sums(p, w), second = sums(q, v);
-  return hn::Add(hn::ConcatLowerLower(d, second, first), hn::ConcatUpperUpper(d, second, first));
-}
-
-HWY_INLINE Pair clamp(Pair pair) { return clamp_pixels(TwoPixels(), pair); }
-HWY_INLINE void store(Pair pair, float* out) { hn::StoreU(pair, TwoPixels(), out); }
-HWY_INLINE void store_first(Pair pair, float* out) {
-  const hn::Half<TwoPixels> one;
-  hn::StoreU(hn::LowerHalf(one, pair), one, out);
-}
-
-#else
-
-struct Pair {
-  hn::Vec<FourFloats> first, second;
-};
-
-struct FourWeights {
-  hn::Vec<FourFloats> w0, w1, w2, w3;
-  static HWY_INLINE FourWeights get(const float (*weights)[most_places], int k) {
-    const auto one = [&](int tap) { return hn::Set(FourFloats(), weights[tap][k]); };
-    return {one(0), one(1), one(2), one(3)};
-  }
-};
-
-HWY_INLINE Pair weigh(const float* p, const FourWeights& w, const float* q, const FourWeights& v) {
+/// Returns (w0 p0 + w2 p2) + (w1 p1 + w3 p3) of four pixels p that follow each other.
+HWY_INLINE hn::Vec<FourFloats> weigh(const float* pixels, const float (*weights)[most_places], int k) {
   const FourFloats d;
-  const auto sum = [&](const float* pixels, const FourWeights& of) {
-    return hn::Add(fused(of.w2, hn::LoadU(d, pixels + 8), hn::Mul(of.w0, hn::LoadU(d, pixels))),
-                   fused(of.w3, hn::LoadU(d, pixels + 12), hn::Mul(of.w1, hn::LoadU(d, pixels + 4))));
-  };
-  return {sum(p, w), sum(q, v)};
+  const auto weight = [&](int tap) { return hn::Set(d, weights[tap][k]); };
+  return hn::Add(fused(weight(2), hn::LoadU(d, pixels + 8), hn::Mul(weight(0), hn::LoadU(d, pixels))),
+                 fused(weight(3), hn::LoadU(d, pixels + 12), hn::Mul(weight(1), hn::LoadU(d, pixels + 4))));
 }
-
-HWY_INLINE Pair clamp(const Pair& pair) {
-  return {clamp_pixels(FourFloats(), pair.first), clamp_pixels(FourFloats(), pair.second)};
-}
-HWY_INLINE void store_first(const Pair& pair, float* out) { hn::StoreU(pair.first, FourFloats(), out); }
-HWY_INLINE void store(const Pair& pair, float* out) {
-  store_first(pair, out);
-  hn::StoreU(pair.second, FourFloats(), out + 4);
-}
-
-#endif
 
 /// First pass: interpolates the plane's rows at the columns' places.
 void AlongRows(const WarpedRow& any_row, const ColumnStrip& columns) {
@@ -232,17 +139,15 @@ void AlongRows(const WarpedRow& any_row, const ColumnStrip& columns) {
   std::int32_t taps[most_places];
   float weights[4][most_places];
   find_taps(any_row.start_x, any_row.step_x, columns.first, count, taps, weights);
-  FourWeights of_column[most_places];
-  for (int k = 0; k < count; ++k) of_column[k] = FourWeights::get(weights, k);
-  const std::ptrdiff_t row_floats = any_row.row_floats;
-  const float* row = any_row.plane + columns.first_row * row_floats;
-  for (int y = 0; y < columns.rows; y += 2, row += 2 * row_floats) {
-    const bool two = y + 1 < columns.rows;
+  const float* row = any_row.plane + columns.first_row * any_row.row_floats;
+  // Two rows at a time fill more of a cache line. A column has room for an even number of pixels.
+  for (int y = 0; y < columns.rows; y += 2, row += 2 * any_row.row_floats) {
+    const std::ptrdiff_t other = y + 1 < columns.rows ? any_row.row_floats : 0;
     for (int k = 0; k < count; ++k) {
       const float* pixels = row + std::ptrdiff_t{4} * taps[k];
-      const Pair pair = weigh(pixels, of_column[k], two ? pixels + row_floats : pixels, of_column[k]);
-      // A column has room for an even number of pixels.
-      store(pair, columns.pixels + k * columns.stride + std::ptrdiff_t{4} * y);
+      float* out = columns.pixels + k * columns.stride + std::ptrdiff_t{4} * y;
+      store_pixel(weigh(pixels, weights, k), out);
+      store_pixel(weigh(pixels + other, weights, k), out + 4);
     }
   }
 }
@@ -255,14 +160,9 @@ void DownColumns(const WarpedRow& row, const ColumnStrip& columns, float* screen
   float weights[4][most_places];
   find_taps(row.start_y, row.step_y, first, count, taps, weights);
   const float* column = columns.at(first) - std::ptrdiff_t{4} * columns.first_row;
-  const auto two_from = [&](int k, int next) {
-    return clamp(weigh(
-        column + k * columns.stride + std::ptrdiff_t{4} * taps[k], FourWeights::get(weights, k),
-        column + next * columns.stride + std::ptrdiff_t{4} * taps[next], FourWeights::get(weights, next)));
-  };
-  float* out = screen + std::ptrdiff_t{4} * first;
-  for (int k = 0; k + 1 < count; k += 2) store(two_from(k, k + 1), out + std::ptrdiff_t{4} * k);
-  if (count % 2 != 0) store_first(two_from(count - 1, count - 1), out + std::ptrdiff_t{4} * (count - 1));
+  for (int k = 0; k < count; ++k)
+    store_pixel(clamp_pixel(weigh(column + k * columns.stride + std::ptrdiff_t{4} * taps[k], weights, k)),
+                screen + std::ptrdiff_t{4} * (first + k));
 }
 
 void WarpColumns(std::span<const WarpedRow> rows, const ColumnStrip& columns, Image& screen) {
