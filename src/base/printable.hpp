@@ -12,7 +12,7 @@ std::string printable(std::string_view text);
 
 /// The first `most` characters as printable() shows them, but line feeds as \x0a, too; then "..." if there
 /// are more.
-std::string excerpt(std::string_view text, std::size_t most = 40);
+std::string excerpt(std::string_view text, std::size_t most = 60);
 
 /// Minus zero, which reads as a mistake, becomes zero.
 constexpr double plain(double value) { return value == 0 ? 0.0 : value; }

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <vector>
 
+#include "base/printable.hpp"
+
 namespace ringsplat::detail {
 
 /// "a, b, c". (fmt::join makes GCC 12 warn falsely of an overflow inside fmt.)
@@ -58,14 +60,6 @@ std::optional<T> number_in(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) return {};
   return number;
-}
-
-/// The beginning of a file's text, printable in a message.
-inline std::string excerpt(const std::string& text) {
-  constexpr std::size_t longest = 60;
-  std::string shown;
-  for (const char c : text.substr(0, longest)) shown += c >= ' ' && c <= '~' ? c : '?';
-  return text.size() > longest ? shown + "..." : shown;
 }
 
 }  // namespace ringsplat::detail

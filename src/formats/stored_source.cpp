@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
+#include <glm/gtc/packing.hpp>
 #include <utility>
 #include <vector>
 
@@ -174,19 +174,10 @@ const NumberType* number_type(std::string_view name) {
   return nullptr;
 }
 
-float float_of_half(std::uint16_t half) {
-  const auto sign = std::uint32_t(half & 0x8000U) << 16;
-  const std::uint32_t exponent = (half >> 10) & 31U, fraction = half & 0x3FFU;
-  constexpr float smallest = 1.0F / (1 << 24);
-  if (exponent == 0) return (sign != 0 ? -smallest : smallest) * float(fraction);
-  const std::uint32_t wide = exponent == 31 ? 255 : exponent + 127 - 15;
-  return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
-}
-
 void widen_halves(std::span<const std::byte> halves, std::span<std::byte> floats) {
   const auto* begin = reinterpret_cast<const std::uint16_t*>(halves.data());
   std::transform(begin, begin + halves.size() / sizeof(std::uint16_t),
-                 reinterpret_cast<float*>(floats.data()), float_of_half);
+                 reinterpret_cast<float*>(floats.data()), glm::unpackHalf1x16);
 }
 
 void doubles_of_integers(std::span<std::byte> values, bool is_signed, const std::string& where) {

@@ -31,8 +31,7 @@ struct NumberType {
 /// By either name; null for others.
 const NumberType* number_type(std::string_view name);
 
-/// IEEE 754 binary16 as binary32, which holds every one of its values.
-float float_of_half(std::uint16_t half);
+/// Makes binary32 of IEEE 754 binary16.
 void widen_halves(std::span<const std::byte> halves, std::span<std::byte> floats);
 /// Makes float64 of 64-bit integers, in place. Throws InputError, with `where`, for one that has none
 /// exactly.

@@ -101,7 +101,7 @@ Id within_file() {
 /// A dataset's path from the group `below`.
 std::string name_of(const Found& found, const std::string& below) {
   const bool within = below != "/" && found.path.starts_with(below + "/");
-  return ringsplat::excerpt(within ? found.path.substr(below.size() + 1) : found.path, 120);
+  return excerpt(within ? found.path.substr(below.size() + 1) : found.path, 120);
 }
 
 std::string listed(const std::vector<Found>& found, const std::string& below) {
@@ -128,7 +128,7 @@ std::string only_one(const Walk& walk, const std::filesystem::path& path, const 
   }
   if (!walk.unreadable.empty())
     refuse(path, "the file is damaged, or a newer HDF5 wrote it: copy it again, or h5repack it there",
-           "cannot open {}", ringsplat::excerpt(walk.unreadable, 300));
+           "cannot open {}", excerpt(walk.unreadable, 300));
   throw InputError(fmt::format("{} holds no dataset of numbers with three dimensions", path.string()),
                    "h5dump -n lists what it holds");
 }
@@ -229,7 +229,7 @@ std::string choose_dataset(hid_t file, const std::filesystem::path& path, const 
   else
     iterations = {};
   while (full.size() > 1 && full.back() == '/') full.pop_back();
-  const Id object = open_object(file, full, path.string() + ":" + ringsplat::excerpt(named, 200));
+  const Id object = open_object(file, full, path.string() + ":" + excerpt(named, 200));
   if (H5Iget_type(object.get()) == H5I_DATASET) return full;
   walk.group(full);
   return only_one(walk, path, iterations.group);

@@ -246,7 +246,7 @@ std::unique_ptr<VolumeSource> read_hdf5(const std::filesystem::path& path, const
   Selection selection;
   selection.file = path_of_file;
   selection.dataset = choose_dataset(file.get(), path_of_file, named, choice, iterations);
-  selection.where = path_of_file.string() + ":" + ringsplat::excerpt(selection.dataset, 200);
+  selection.where = path_of_file.string() + ":" + excerpt(selection.dataset, 200);
   const auto& where = selection.where;
   Id dataset = open_object(file.get(), selection.dataset, where);
   const auto dims = dims_of(dataset.get());

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <glm/gtc/packing.hpp>
 #include <limits>
 #include <numeric>
 
@@ -65,7 +66,7 @@ namespace {
 const NumberType* type_of(const Node& node, std::string_view name) {
   if (const auto* const type = number_type(name)) return type;
   refuse(node.file, "only integers and floating-point numbers of at most 64 bits can be drawn",
-         "its values are of type '{}'", excerpt(std::string(name)));
+         "its values are of type '{}'", excerpt(name));
 }
 
 /// A number, a truth value, "NaN", "Infinity", "-Infinity" or a float's bits ("0x7fc00000"); null where
@@ -77,7 +78,7 @@ double fill_of(const Node& node, std::string_view code) {
   if (const auto number = number_in<double>(text)) return *number;
   if (!text.starts_with("0x")) node.fail("its fill value is '{}'", excerpt(text));
   const auto bits = std::strtoull(text.c_str(), nullptr, 16);
-  if (code == "f2") return double(float_of_half(std::uint16_t(bits)));
+  if (code == "f2") return double(glm::unpackHalf1x16(std::uint16_t(bits)));
   return code == "f4" ? double(std::bit_cast<float>(std::uint32_t(bits))) : std::bit_cast<double>(bits);
 }
 
