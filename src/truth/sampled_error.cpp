@@ -1,6 +1,7 @@
 // Estimates the whole picture's error from a stratified sample.
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "truth/metrics.hpp"
@@ -27,28 +28,6 @@ Difference difference(const float* pixel, const Rgba& truth) {
 
 bool is_finite(const float* pixel) {
   return std::all_of(pixel, pixel + 4, [](float v) { return std::isfinite(v); });
-}
-
-/// The 0.975 quantile of Student's distribution, interpolated in 1 / freedom, in which it is nearly linear.
-double student_975(double freedom) {
-  constexpr std::array<std::pair<double, double>, 12> table{{{1, 12.7062},
-                                                             {2, 4.3027},
-                                                             {3, 3.1824},
-                                                             {4, 2.7764},
-                                                             {5, 2.5706},
-                                                             {7, 2.3646},
-                                                             {10, 2.2281},
-                                                             {15, 2.1314},
-                                                             {30, 2.0423},
-                                                             {60, 2.0003},
-                                                             {120, 1.9799},
-                                                             {1e9, 1.95996}}};
-  freedom = std::clamp(freedom, table.front().first, table.back().first);
-  std::size_t k = 1;
-  while (table[k].first < freedom) ++k;
-  const auto [f0, t0] = table[k - 1];
-  const auto [f1, t1] = table[k];
-  return t0 + (t1 - t0) * (1 / f0 - 1 / freedom) / (1 / f0 - 1 / f1);
 }
 
 /// The sampled squares of a stratum.
@@ -103,7 +82,8 @@ Interval interval_of(const std::vector<Squares>& strata, double sum, double know
     satterthwaite += v * v / std::max(1.0, double(s.stratum.sampled) - 1);
   }
   if (!std::isfinite(sum) || !(variance > 0 && sum > 0)) return {sum, sum};
-  const double t = student_975(variance * variance / satterthwaite);
+  const double freedom = std::min(std::max(1.0, variance * variance / satterthwaite), 1e9);
+  const double t = boost::math::quantile(boost::math::students_t(freedom), 0.975);
   const double factor = std::exp(t * std::sqrt(variance) / sum);
   return {std::max(known, sum / factor), sum * factor};
 }
