@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <vector>
 
 #include "base/log.hpp"
 #include "base/text.hpp"
@@ -30,22 +31,14 @@ std::string sizes_of(const std::vector<DatasetAxis>& axes) {
 /// The lattice's directions in the world: where every axis of space has its own they are taken, else the axes
 /// lie along x, y, z in turn.
 std::array<int, 3> world_axes(const std::array<int, 3>& lattice, const std::vector<DatasetAxis>& axes) {
-  std::array<int, 3> world{0, 1, 2};
-  std::set<int> taken;
-  for (int k = 0; k < 3; ++k) {
-    const int axis = lattice[std::size_t(k)];
-    if (axis < 0) continue;
-    const auto along = axes[std::size_t(axis)].world;
-    if (!along || !taken.insert(*along).second) return {0, 1, 2};
-    world[std::size_t(k)] = *along;
+  std::array<int, 3> world{};
+  std::vector<int> left{0, 1, 2};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const int axis = lattice[k];  // those below 0 come last
+    const auto along = axis < 0 ? left.front() : axes[std::size_t(axis)].world.value_or(-1);
+    if (std::erase(left, along) == 0) return {0, 1, 2};
+    world[k] = along;
   }
-  for (int k = 0; k < 3; ++k)
-    if (lattice[std::size_t(k)] < 0)
-      for (int free = 0; free < 3; ++free)
-        if (taken.insert(free).second) {
-          world[std::size_t(k)] = free;
-          break;
-        }
   return world;
 }
 
