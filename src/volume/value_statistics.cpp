@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
+
+#include "volume/scalars.hpp"
 
 namespace ringsplat {
 namespace {
@@ -104,69 +107,46 @@ void count_histogram(ValueStatistics& s, const std::vector<ValueBin>& keys, cons
   s.bins.insert(s.bins.end(), keys.begin() + std::ptrdiff_t(kept.last) + 1, keys.end());
 }
 
-/// Counts neighbours among rows, with values told apart by their place in `labels`.
-class NeighbourTally {
- public:
-  NeighbourTally(const ValueKind& kind, const std::vector<double>& labels) : kind_(kind), labels_(labels) {
-    constexpr double most = 1 << 16;
-    const double span = labels.back() - labels.front() + 1;
-    if (span > most) return;
-    places_.assign(std::size_t(span), none);
-    for (std::size_t k = 0; k < labels.size(); ++k) places_[std::size_t(labels[k] - labels.front())] = k;
+/// Adds to the numbers of NeighbourCounts. `place_of`: a value's place among the labels, below 0 for others.
+template <class T, class PlaceOf>
+void count_row(std::span<const T> row, const PlaceOf& place_of, std::vector<std::uint64_t>& counts) {
+  std::ptrdiff_t before = -1;
+  bool changed = false;
+  for (std::size_t i = 0; i < row.size(); ++i) {
+    const auto here = i > 0 && row[i] == row[i - 1] ? before : place_of(double(row[i]));
+    if (here >= 0 && before >= 0) ++counts[here == before ? 0 : std::abs(here - before) == 1 ? 1 : 2];
+    const bool changes = i > 0 && here != before;
+    if (changes && changed) ++counts[3];
+    changed = changes;
+    before = here;
   }
-
-  void add(std::span<const std::byte> rows, int width) {
-    visit_type(kind_.stored_as.value_or(kind_.type), [&](auto zero) {
-      using T = decltype(zero);
-      const std::size_t bytes = std::size_t(width) * sizeof(T);
-      for (std::size_t at = 0; at + bytes <= rows.size(); at += bytes)
-        add_row(std::span(reinterpret_cast<const T*>(rows.data() + at), std::size_t(width)));
-    });
-  }
-
-  std::vector<std::uint64_t> counts = std::vector<std::uint64_t>(4);
-
- private:
-  static constexpr std::size_t none = std::size_t(-1);
-
-  template <class T>
-  void add_row(std::span<const T> row) {
-    std::size_t before = none;
-    double last = 0;
-    bool changed = false;
-    for (std::size_t i = 0; i < row.size(); ++i) {
-      const double value = double(row[i]);
-      const std::size_t here = i > 0 && value == last ? before : place_of(value);
-      if (here != none && before != none && i > 0)
-        ++counts[here == before ? 0 : (here > before ? here - before : before - here) == 1 ? 1 : 2];
-      const bool changes = i > 0 && here != before;
-      if (changes && changed) ++counts[3];
-      changed = changes;
-      before = here;
-      last = value;
-    }
-  }
-
-  std::size_t place_of(double value) const {
-    if (!places_.empty()) {
-      const double at = value - labels_.front();
-      return at >= 0 && at < double(places_.size()) ? places_[std::size_t(at)] : none;
-    }
-    const auto at = std::lower_bound(labels_.begin(), labels_.end(), value);
-    return at != labels_.end() && *at == value ? std::size_t(at - labels_.begin()) : none;
-  }
-
-  const ValueKind& kind_;
-  const std::vector<double>& labels_;
-  std::vector<std::size_t>
-      places_;  ///< by value from the smallest label on; empty when they lie too far apart
-};
+}
 
 void count_neighbours(ValueStatistics& s, const Pass& pass, Merging& merging) {
-  NeighbourTally mine(s.kind, s.labels);
-  pass([&](std::span<const std::byte> rows, int width) { mine.add(rows, width); });
-  merging.sum(mine.counts);
-  s.neighbours = {mine.counts[0], mine.counts[1], mine.counts[2], mine.counts[3]};
+  constexpr double most = 1 << 16;
+  const auto& labels = s.labels;
+  const double span = labels.back() - labels.front() + 1;
+  // By value from the smallest label on; empty when they lie too far apart.
+  std::vector<std::ptrdiff_t> places(span > most ? 0 : std::size_t(span), -1);
+  for (std::size_t k = 0; k < labels.size() && !places.empty(); ++k)
+    places[std::size_t(labels[k] - labels.front())] = std::ptrdiff_t(k);
+  const auto place_of = [&](double value) -> std::ptrdiff_t {
+    if (!places.empty()) {
+      const double at = value - labels.front();
+      return at >= 0 && at < double(places.size()) ? places[std::size_t(at)] : -1;
+    }
+    const auto at = std::lower_bound(labels.begin(), labels.end(), value);
+    return at != labels.end() && *at == value ? at - labels.begin() : -1;
+  };
+  std::vector<std::uint64_t> counts(4);
+  pass([&](std::span<const std::byte> rows, int width) {
+    for_values(s.kind.stored_as.value_or(s.kind.type), rows, [&](auto values) {
+      for (; values.size() >= std::size_t(width); values = values.subspan(std::size_t(width)))
+        count_row(values.first(std::size_t(width)), place_of, counts);
+    });
+  });
+  merging.sum(counts);
+  s.neighbours = {counts[0], counts[1], counts[2], counts[3]};
 }
 
 /// A mask, or few values of which 0 is the most frequent.
