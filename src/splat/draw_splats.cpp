@@ -303,10 +303,8 @@ FootprintTable make_footprint_table(const Footprint& footprint, int phases) {
   table.reach_x = reach.x;
   table.reach_y = reach.y;
   table.row = static_cast<std::size_t>(2 * reach.x + 2) + widest_vector;
-  while (phases > 1 &&
-         static_cast<std::size_t>(phases) * static_cast<std::size_t>(phases) * table.rows() * table.row >
-             most_floats)
-    --phases;
+  const auto floats = [&] { return std::size_t(phases) * std::size_t(phases) * table.rows() * table.row; };
+  while (phases > 1 && floats() > most_floats) --phases;
   table.phases = phases;
 
   const double determinant = 4 * footprint.d * footprint.f - footprint.e * footprint.e;
@@ -314,9 +312,8 @@ FootprintTable make_footprint_table(const Footprint& footprint, int phases) {
   table.x_of_b = table.y_of_a = footprint.e / determinant;
   table.y_of_b = -2 * footprint.d / determinant;
 
-  const std::size_t all = static_cast<std::size_t>(phases) * static_cast<std::size_t>(phases);
-  table.weights.assign(all * table.rows() * table.row, 0.0F);
-  table.covered.resize(all * table.rows());
+  table.weights.assign(floats(), 0.0F);
+  table.covered.resize(floats() / table.row);
   std::size_t at = 0;
   for (int j = 0; j < phases; ++j)
     for (int i = 0; i < phases; ++i)

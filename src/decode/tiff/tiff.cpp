@@ -38,24 +38,19 @@ class TiffSource final : public LayeredSource {
   void read_layer(int z, int, std::span<std::byte> out) override {
     const TiffSlice& slice = slices_[std::size_t(z)];
     require_unchanged(slice.file);
-    read_slice(slice, out);
-    require_unchanged(slice.file);
-  }
-
-  void read_slice(const TiffSlice& slice, std::span<std::byte> out) {
     if (slice.raw_begin) {
       InputFile(slice.file).read(*slice.raw_begin, out);
-      return to_native_order(out, size_of(grid().type), slice.big_endian);
-    }
-    if (!image_ || opened_ != slice.file) {
-      image_ = open_tiff_image(slice.file);
+      to_native_order(out, size_of(grid().type), slice.big_endian);
+    } else {
+      if (!image_ || opened_ != slice.file) image_ = open_tiff_image(slice.file);
       opened_ = slice.file;
+      const std::string problem = image_->read(slice.page, samples_, SampleType(grid().type), out.data());
+      if (!problem.empty())
+        throw InputError(
+            fmt::format("cannot read page {} of {}: {}", slice.page, slice.file.string(), in_words(problem)),
+            "the file was cut short or damaged");
     }
-    const std::string problem = image_->read(slice.page, samples_, SampleType(grid().type), out.data());
-    if (!problem.empty())
-      throw InputError(
-          fmt::format("cannot read page {} of {}: {}", slice.page, slice.file.string(), in_words(problem)),
-          "the file was cut short or damaged");
+    require_unchanged(slice.file);
   }
 
   std::vector<TiffSlice> slices_;
