@@ -67,16 +67,11 @@ std::uint64_t pass_on(std::span<const From> values, std::optional<double> fill,
 /// The fill value, if the type has it.
 template <class T>
 std::optional<double> fill_of(const ValueKind& kind) {
-  if (!kind.fill || !std::isfinite(*kind.fill)) return std::nullopt;
-  const double fill = *kind.fill;
-  if constexpr (std::is_same_v<T, float>)
-    return std::abs(fill) <= std::numeric_limits<float>::max() ? kind.fill : std::nullopt;
-  if constexpr (std::is_integral_v<T>)
-    return fill == std::floor(fill) && fill >= double(std::numeric_limits<T>::min()) &&
-                   fill <= double(std::numeric_limits<T>::max())
-               ? kind.fill
-               : std::nullopt;
-  return kind.fill;
+  using Limits = std::numeric_limits<T>;
+  const double fill = kind.fill.value_or(std::numeric_limits<double>::quiet_NaN());
+  const bool held = fill >= double(Limits::lowest()) && fill <= double(Limits::max()) &&
+                    (!std::is_integral_v<T> || fill == std::floor(fill));
+  return held ? kind.fill : std::nullopt;
 }
 
 }  // namespace
