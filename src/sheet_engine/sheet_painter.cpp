@@ -12,6 +12,7 @@
 #include "engine_parts/owned_images.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/block_windows.hpp"
+#include "sheet_engine/place_map.hpp"
 #include "sheet_engine/projection.hpp"
 #include "sheet_engine/scalar_planes.hpp"
 #include "sheet_engine/sheet_engine.hpp"
@@ -158,7 +159,9 @@ class SheetPainter final : public FramePainter<SheetFrame> {
                         make_fillers(frame_->transparent, geometry().grid.type, scale_.low, scale_.high));
     paint_ = {};
     paint_.rays = rays_;
-    if (frame_->composites()) paint_.places = place_map();
+    if (frame_->composites())
+      paint_.places =
+          frame_->nearest() ? place_map(*frame_, scale_, values_) : place_map(*frame_, scale_, table_.axis());
     paint_.light = gradient_light(*frame_, code.floats ? largest_number() : 4095);
     paint_.nearest = frame_->nearest();
     paint_.table = paint_.nearest ? values_.entries() : table_.entries();
@@ -203,64 +206,6 @@ class SheetPainter final : public FramePainter<SheetFrame> {
 
   double largest_number() const {
     return std::max(std::abs(scale_.code.of(scale_.low)), std::abs(scale_.code.of(scale_.high)));
-  }
-
-  PlaceMap place_map() const {
-    PlaceMap map = frame_->nearest() ? places_of_values() : places_of_sheets();
-    set_transparent(map);
-    return map;
-  }
-
-  PlaceMap places_of_values() const {
-    PlaceMap map;
-    const double a_number = values_.steps_a_unit() / scale_.code.scale;
-    map.even = true;
-    map.scale = float(a_number);
-    map.offset = float(-scale_.code.of(values_.low()) * a_number);
-    return map;
-  }
-
-  PlaceMap places_of_sheets() const {
-    PlaceMap map;
-    const TableAxis& axis = table_.axis();
-    map.count = axis.count;
-    map.even = axis.coarse || (axis.even() && !scale_.code.floats);
-    for (int k = 0; k < axis.count; ++k) {
-      const auto& ramp = axis.ramps[std::size_t(k)];
-      map.ramps[std::size_t(k)] = {float(scale_.code.of(ramp.from)), float(ramp.width * scale_.code.scale),
-                                   float(ramp.rise / scale_.code.scale)};
-    }
-    const double a_number = axis.ramps[0].rise / scale_.code.scale;
-    map.scale = float(a_number);
-    map.offset = float(-scale_.code.of(axis.ramps[0].from) * a_number);
-    return map;
-  }
-
-  /// Ends are rounded as the planes' numbers are, so that what lies in an interval does so after rounding. A
-  /// place counts as transparent up to and with `visible_low`, so an end that is visible lies beyond it.
-  void set_transparent(PlaceMap& map) const {
-    const auto place = [&](double value) {
-      const double number = scale_.code.of(std::clamp(value, scale_.low, scale_.high));
-      return place_of_number(map, float(scale_.code.floats ? number : double(std::lround(number))));
-    };
-    constexpr float before_all = no_place, after_all = -no_place;
-    map.visible_low = before_all;
-    map.visible_high = after_all;
-    for (const auto& i : frame_->transparent.intervals()) {
-      if (i.high < scale_.low || i.low > scale_.high) continue;
-      const float low = i.low < scale_.low ? before_all
-                        : i.has_low        ? place(i.low)
-                                           : std::nextafter(place(i.low), after_all),
-                  high = i.high > scale_.high ? after_all
-                         : i.has_high         ? place(i.high)
-                                              : std::nextafter(place(i.high), before_all);
-      if (!std::isfinite(i.low))
-        map.visible_low = high;
-      else if (!std::isfinite(i.high))
-        map.visible_high = low;
-      else
-        map.gaps[std::size_t(map.gap_count++)] = {low, high};
-    }
   }
 
   /// Room for the slice of `step`: while there is none, paints some of what can be painted without it.
