@@ -191,6 +191,18 @@ void add_colour_bar(Sheet& sheet, double bottom, const TransferFunction& tf, con
   sheet.keep_if_free();
 }
 
+/// The channels' names from the upper right corner down, each before a piece of its colour.
+void add_legend(Sheet& sheet, const std::vector<DrawnChannel>& channels) {
+  const double letter = sheet.letter(), right = sheet.width() - sheet.margin();
+  double y = sheet.margin() + 0.5 * letter;
+  for (const DrawnChannel& channel : channels) {
+    sheet.line({right - letter, y}, {right, y}, channel.colour, 0.6);
+    sheet.text(excerpt(channel.name, 28), {right - 1.6 * letter, y}, 1);
+    y += 1.5 * letter;
+  }
+  sheet.keep_if_free();
+}
+
 }  // namespace
 
 double round_length(double most) {
@@ -229,8 +241,9 @@ std::optional<DataRange> visible_span(const TransferFunction& tf, const ValueRan
 }
 
 Annotation::Annotation(const Grid& grid, const VolumeNotes& notes,
-                       const std::optional<glm::dvec3>& background, const std::optional<DataRange>& window)
-    : grid_(grid), notes_(notes) {
+                       const std::optional<glm::dvec3>& background, const std::optional<DataRange>& window,
+                       std::vector<DrawnChannel> channels)
+    : grid_(grid), notes_(notes), channels_(std::move(channels)) {
   constexpr double middle_grey = 0.18;
   dark_ink_ = background && glm::dot(*background, glm::dvec3(0.2126, 0.7152, 0.0722)) > middle_grey;
   static_cast<void>(text_mask("0", 12));
@@ -255,7 +268,9 @@ Overlay Annotation::overlay(const FrameSpec& spec, const ValueRange& range) cons
     add_axes(sheet, view, grid_);
   if (!view.eye) add_scale_bar(sheet, pixels_per_unit(shown.camera, view), notes_, grid_);
   const double bottom = patient ? 0.5 * shown.height - 1.6 * sheet.letter() : 0.6 * shown.height;
-  if (const auto span = visible_span(shown.transfer_function, bar_.value_or(range)))
+  if (!channels_.empty())
+    add_legend(sheet, channels_);
+  else if (const auto span = visible_span(shown.transfer_function, bar_.value_or(range)))
     add_colour_bar(sheet, bottom, shown.transfer_function, *span, quantity_of(notes_));
   return sheet.take();
 }

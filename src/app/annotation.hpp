@@ -1,7 +1,9 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "app/channels.hpp"
 #include "images/drawing.hpp"
 #include "options/options.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
@@ -17,9 +19,10 @@ namespace ringsplat::app {
 class Annotation {
  public:
   /// `background` (linear light; none: transparent) decides between dark and light ink; `window`: the colour
-  /// bars span what is visible of it. Throws InputError when there is no font that can be used.
+  /// bars span what is visible of it; `channels`: that are drawn together, of which a legend tells instead.
+  /// Throws InputError when there is no font that can be used.
   Annotation(const Grid& grid, const VolumeNotes& notes, const std::optional<glm::dvec3>& background,
-             const std::optional<DataRange>& window = std::nullopt);
+             const std::optional<DataRange>& window = std::nullopt, std::vector<DrawnChannel> channels = {});
   /// The colour bars of all pictures span what is visible of `range`, unless there is a window.
   void keep_range(const ValueRange& range);
   /// Of a frame's picture; `range` is the volume's.
@@ -30,6 +33,7 @@ class Annotation {
   VolumeNotes notes_;
   bool dark_ink_;
   std::optional<ValueRange> bar_;
+  std::vector<DrawnChannel> channels_;
 };
 
 /// 1, 2 or 5 times a power of ten: the largest that is at most `most`, which is above 0.

@@ -24,8 +24,8 @@ namespace ringsplat::app {
 namespace fs = std::filesystem;
 
 std::string picture_settings(const FrameSpec& spec, const std::string& volume, bool annotated,
-                             const MeasuredError* error) {
-  json j = json::parse(to_json_text(spec));
+                             const std::vector<DrawnChannel>& channels, const MeasuredError* error) {
+  json j = settings_of(spec, channels);
   j.erase("region");  // follows from the layout, and no pixel from it
   if (error != nullptr) j["error"] = to_json(*error);
   if (annotated) j["annotated"] = true;
@@ -62,10 +62,11 @@ std::string why_nearly_empty(const FrameResult& result) {
 }
 
 FrameOutput::FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range,
-                         SliceMemory memory, Progress& progress)
+                         SliceMemory memory, const std::vector<DrawnChannel>& channels, Progress& progress)
     : options_(options),
       volume_(options.volume.path),
       range_(range),
+      channels_(channels),
       progress_(progress),
       stats_(std::make_unique<StatsOutput>(options, layout, std::move(memory))),
       writer_([this](FinishedFrame&& frame) {
@@ -145,7 +146,7 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
     film_.add(result.image, options_.background, overlay);
   else if (written)
     write_image(result.image, file, options_.background,
-                picture_settings(result.spec, volume, options_.annotate, error), overlay);
+                picture_settings(result.spec, volume, options_.annotate, channels_, error), overlay);
   const NodeStats sum = result.stats.total();
   warn(label, drawn ? why_empty(result, range) : std::string(), empty_frames_);
   warn(label, drawn ? why_nearly_empty(result) : std::string(), nearly_empty_frames_);
@@ -159,7 +160,7 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
                               after, sum.visible_voxels, sum.splats_sent, items_of(result.spec.how), shown));
   seconds_.push_back(result.stats.seconds);
   period_sum_ += result.stats.period;
-  stats_->add(result, written ? file.string() : std::string(), error, volume);
+  stats_->add(result, channels_, written ? file.string() : std::string(), error, volume);
   if (whole) stats_->write(refinements);
 }
 

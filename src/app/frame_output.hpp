@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "app/annotation.hpp"
+#include "app/channels.hpp"
 #include "base/process.hpp"
 #include "images/drawing.hpp"
 #include "options/options.hpp"
@@ -117,7 +118,7 @@ class FrameOutput {
  public:
   /// All that is passed by reference must outlive it.
   FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range, SliceMemory memory,
-              Progress& progress);
+              const std::vector<DrawnChannel>& channels, Progress& progress);
   ~FrameOutput();
 
   /// Has annotations drawn into the files of all pictures, after their errors were measured. Before take().
@@ -161,6 +162,7 @@ class FrameOutput {
   std::string volume_;  ///< path of the volume that is shown
   ValueRange range_;
   std::optional<Annotation> annotation_;
+  const std::vector<DrawnChannel>& channels_;
   Film film_;
   Progress& progress_;
   std::vector<KeptFrame> kept_;
@@ -174,9 +176,9 @@ class FrameOutput {
 };
 
 /// The settings that decide the picture, and the volume's name, as JSON; the same bytes for any number of
-/// ranks.
+/// ranks. `channels`: that were added; the frame's function is then of none.
 std::string picture_settings(const FrameSpec& spec, const std::string& volume, bool annotated,
-                             const MeasuredError* error = nullptr);
+                             const std::vector<DrawnChannel>& channels, const MeasuredError* error = nullptr);
 
 /// Why a drawn picture shows nothing, or hardly anything; else empty. `range`: the volume's.
 std::string why_empty(const FrameResult& result, const ValueRange& range);

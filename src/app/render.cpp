@@ -201,52 +201,59 @@ bool writes_to_stdout(const RenderOptions& o) {
   return is_stdout(o.stats) || is_stdout(o.trace) || is_stdout(o.transfer_function_out);
 }
 
-/// Draws one volume's view, and notes when it was done.
-void draw(const Job& job, std::size_t k, Scene scene, FrameSpec frame, FrameOutput& output,
-          double& last_ended, const Wiring& wiring, Launch& launch) {
-  const auto& cameras = job.cameras;
-  const bool first_rank = launch.rank() == 0;
-  if (first_rank) frame.shown.camera = cameras[cameras.size() == 1 ? 0 : k];
-  const SeriesEntry& entry = job.series[k];
-  output.show(entry.volume.path, scene.values.range);
+/// Draws one volume of the series: with --frames one view of it, else all.
+void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, ChannelSum& sum,
+          const Wiring& wiring, Launch& launch) {
+  const std::size_t channel = k % job.channels_drawn(), volume = k / job.channels_drawn();
+  std::vector<Camera> cameras = job.cameras;
+  if (job.options.frames && cameras.size() > 1) cameras = {cameras[volume]};
   const auto take = [&](FrameResult&& result) {
-    const double now = now_seconds();
-    result.spec.frame = result.stats.frame = entry.number;
-    result.stats.period = now - std::exchange(last_ended, now);
-    output.take(std::move(result), std::size_t(entry.number), 1);
+    const auto view = job.options.frames ? job.series[k].number : result.spec.frame;
+    sum.add(std::move(result), channel, std::size_t(view));
   };
   const RunOptions& run = job.options.run;
-  render_all(std::move(scene), job.layout, run.protocol, first_rank ? director_of({frame}, take) : Director{},
-             wiring, run.engine);
+  render_all(std::move(scene), job.layout, run.protocol,
+             launch.rank() == 0 ? director_of(frames_of(frame, cameras), take) : Director{}, wiring,
+             run.engine);
 }
 
-/// Each volume is drawn while the next is read. The transfer function is the first one's, so that colours
-/// mean the same in all pictures.
+/// Each volume, or channel, is drawn while the next is read. Transfer functions are those of the first
+/// volume, so that colours mean the same in all pictures.
 ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
   const Wiring wiring = launch.wiring(job.options.run.loopback);
-  const std::size_t volumes = job.series.size();
-  SeriesLoader loader(job, wiring, FrameOutput::most_held(job.options, volumes), progress, launch);
+  const std::size_t volumes = job.volumes(), views = job.options.frames ? volumes : job.cameras.size();
+  SeriesLoader loader(job, wiring, pictures_at_once(job, views), progress, launch);
   Scene scene = loader.load(0);
-  const FrameSpec frame = choose_frame(job, scene, wiring, progress, launch);
+  std::vector<FrameSpec> frames{choose_frame(job, scene, wiring, progress, launch)};
   const ValueRange range = scene.values.range;
-  FrameOutput output(job.options, job.layout, range, job.memory, progress);
+  FrameOutput output(job.options, job.layout, range, job.memory, job.channels, progress);
   if (job.annotation) {
     job.annotation->keep_range(range);
     output.annotate(*job.annotation);
   }
   const bool first_rank = launch.rank() == 0;
-  if (first_rank)
+  if (first_rank && job.options.frames)
     progress.print(fmt::format(
         "{} volumes, {} to {}; the transfer function {} of the first, {:g} to {:g}, is kept for all", volumes,
-        job.series.front().name, job.series.back().name, frame.shown.transfer_function.name, range.low,
+        job.series.front().name, job.series.back().name, frames[0].shown.transfer_function.name, range.low,
         range.high));
-  progress.begin("rendering", double(volumes));
+  progress.begin("rendering", double(views));
   double last_ended = now_seconds();
+  ChannelSum sum(job.channels_drawn(), [&](FrameResult&& result, std::size_t view) {
+    const double now = now_seconds();
+    result.spec.frame = result.stats.frame = std::int64_t(view);
+    result.stats.period = now - std::exchange(last_ended, now);
+    output.take(std::move(result), view, 1);
+  });
   try {
-    for (std::size_t k = 0; k < volumes; ++k) {
+    for (std::size_t k = 0; k < job.series.size(); ++k) {
+      const std::size_t channel = k % job.channels_drawn();
       if (k > 0) scene = loader.load(k);
+      if (k > 0 && k < job.channels_drawn())
+        frames.push_back(choose_frame(job, scene, wiring, progress, launch, channel));
       loader.read_ahead(k + 1);
-      draw(job, k, std::exchange(scene, {}), frame, output, last_ended, wiring, launch);
+      if (channel == 0) output.show(job.series[k].volume.path, scene.values.range);
+      draw(job, k, std::exchange(scene, {}), frames[channel], sum, wiring, launch);
     }
   } catch (const InputError&) {
     progress.end();
@@ -267,12 +274,12 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   const RenderOptions& o = job.options;
   // Silent in a simulation: progress in simulated time tells nothing.
   Progress progress(launch.rank() != 0 || simulated(), writes_to_stdout(o) ? stderr : stdout);
-  if (o.frames) return render_series(job, progress, launch);
+  if (o.frames || !job.channels.empty()) return render_series(job, progress, launch);
   const Wiring wiring = launch.wiring(o.run.loopback);
   Scene scene = load(job.volume, job.load, job.layout, wiring, progress);
   const FrameSpec frame = choose_frame(job, scene, wiring, progress, launch);
   const ValueRange range = scene.values.range;
-  FrameOutput output(o, job.layout, range, job.memory, progress);
+  FrameOutput output(o, job.layout, range, job.memory, job.channels, progress);
   if (job.annotation) output.annotate(*job.annotation);
   const bool reads_stdin = o.path == "-";
   Browsing browsing(

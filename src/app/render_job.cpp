@@ -11,6 +11,7 @@
 #include "app/commands.hpp"
 #include "app/loading.hpp"
 #include "app/places.hpp"
+#include "base/archive.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_geometry.hpp"
@@ -23,6 +24,13 @@
 #include "study/steepness.hpp"
 
 namespace ringsplat::app {
+
+/// Before its transfer function is chosen.
+template <class Archive>
+void fields(DrawnChannel& channel, Archive& archive) {
+  archive(channel.choice, channel.name, channel.colour, channel.window);
+}
+
 namespace {
 
 /// Reads the machine that --machine names and adapts the protocol's options to a simulated run. All ranks
@@ -115,7 +123,31 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Came
   return launch.of_rank_0(axes);
 }
 
+/// The volumes of the series in all of the channels that are drawn together.
+void part_into_channels(Job& job, const std::string& wanted, Launch& launch) {
+  launch.check_on_rank_0([&] { job.channels = find_channels(job.series.front().volume, wanted); });
+  if (launch.ranks() > 1)
+    job.channels =
+        from_bytes<std::vector<DrawnChannel>>(launch.collectives().broadcast(to_bytes(job.channels), 0))
+            .value();
+  std::vector<SeriesEntry> parts;
+  for (SeriesEntry& entry : job.series) {
+    if (job.channels.empty()) entry.volume.choice.channel.clear();
+    for (const DrawnChannel& channel : job.channels) {
+      SeriesEntry& part = parts.emplace_back(entry);
+      part.volume.choice.channel = channel.choice;
+      part.name += ", " + channel.name;
+    }
+  }
+  if (!job.channels.empty()) job.series = std::move(parts);
+}
+
 }  // namespace
+
+std::size_t pictures_at_once(const Job& job, std::size_t views) {
+  const std::size_t sums = job.channels.empty() ? 0 : job.options.frames ? 1 : views;
+  return sums + FrameOutput::most_held(job.options, views);
+}
 
 std::vector<Reduction> levels_of(const FrameSpec& frame, bool progressive) {
   if (!progressive) return {frame.shown.reduction};
@@ -158,10 +190,14 @@ Job prepare(const RenderOptions& given, Launch& launch) {
     job.transfer_function.emplace(o.transfer_function, o.colour);
     check_outputs(o);
   });
-  if (o.frames && simulated())
-    throw InputError("--frames: the next volume is read by the clock on the wall, not the simulated one",
-                     "simulate one volume at a time");
+  if ((o.frames || names_channels(o.volume.choice.channel)) && simulated())
+    throw InputError(
+        "--frames, --channel: the next volume is read by the clock on the wall, not the simulated one",
+        "simulate one volume and channel at a time");
+  const std::string wanted = o.volume.choice.channel;
+  if (names_channels(wanted)) o.volume.choice.channel = "all";
   job.series = find_series(o.volume, o.frames, launch);
+  if (names_channels(wanted)) part_into_channels(job, wanted, launch);
   o.volume = job.series.front().volume;
   if (o.frames && !o.output.empty()) launch.check_on_rank_0([&] { refuse_replacing_volumes(o, job.series); });
   job.volume = open(o.volume, launch);
@@ -171,13 +207,14 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   launch.check_on_rank_0([&] {
     view_note = complete_view(o, grid, job.volume.notes);
     job.cameras = views_of(o);
-    if (o.frames) check_one_camera_each(job.cameras, o, job.series.size());
+    if (o.frames) check_one_camera_each(job.cameras, o, job.volumes());
     check_frames(o, job.cameras, grid);
-    if (o.annotate) job.annotation.emplace(grid, job.volume.notes, o.background, o.colour.range);
+    if (o.annotate)
+      job.annotation.emplace(grid, job.volume.notes, o.background, o.colour.range, job.channels);
   });
   job.load = load_options(o, agree_on_axes(o, job.cameras, grid, launch));
   job.memory = settle_layout(o, job.layout, job.cameras, grid, job.load,
-                             FrameOutput::most_held(o, job.cameras.size()), places, launch);
+                             pictures_at_once(job, job.cameras.size()), places, launch);
   launch.check_on_rank_0([&] {
     if (!o.output.empty()) require_image_library();
   });
@@ -218,11 +255,13 @@ void warn_of_steepness(const RenderOptions& o, const FrameSpec& frame, const Val
 
 }  // namespace
 
-FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch) {
+FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch,
+                       std::size_t channel) {
   const RenderOptions& o = job.options;
   MadeFunction made;
   launch.check_on_rank_0([&] {
-    made = job.transfer_function->make(scene.values, scene.grid);
+    made = job.channels.empty() ? job.transfer_function->make(scene.values, scene.grid)
+                                : make_function(job.channels[channel], o, scene.values, scene.grid);
     check(made.function, o.transfer_function);
     if (!o.transfer_function_out.empty())
       write_text_output(o.transfer_function_out, to_paraview_json(made.function));

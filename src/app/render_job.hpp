@@ -1,9 +1,12 @@
 #pragma once
+#include <algorithm>
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <vector>
 
 #include "app/annotation.hpp"
+#include "app/channels.hpp"
 #include "app/frame_output.hpp"
 #include "app/series.hpp"
 #include "options/options.hpp"
@@ -21,13 +24,21 @@ struct Job {
   // On rank 0, as only it reads the small files and writes the results.
   std::optional<TransferFunctionChoice> transfer_function;
   std::vector<Camera> cameras;
-  std::vector<SeriesEntry> series;       ///< one volume, without --frames
+  /// One volume without --frames; of several channels each volume's in turn.
+  std::vector<SeriesEntry> series;
+  std::vector<DrawnChannel> channels;    ///< that are drawn together, on all ranks as many; else none
   OpenedVolume volume;                   ///< the first of them
   std::optional<Annotation> annotation;  ///< on rank 0
   LoadOptions load;
   SliceMemory memory;
   std::vector<MeasuredShortcuts> measured;  ///< on rank 0, for --max-error: of what a setting is chosen
+
+  std::size_t channels_drawn() const { return std::max<std::size_t>(1, channels.size()); }
+  std::size_t volumes() const { return series.size() / channels_drawn(); }
 };
+
+/// Most pictures of so many views that rank 0 holds at once: sums of channels wait for the last one.
+std::size_t pictures_at_once(const Job& job, std::size_t views);
 
 /// Opens the volume and decides on everything that a run needs to know before loading. All ranks call it, and
 /// throw the same InputError.
@@ -40,9 +51,10 @@ std::vector<Reduction> levels_of(const FrameSpec& frame, bool progressive);
 void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid);
 
 /// The part that all frames share, with the transfer function for the loaded scene, and under --max-error the
-/// shortcuts. May load the scene again, for another engine or after a calibration. On all ranks; the result
-/// is rank 0's.
-FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch);
+/// shortcuts. May load the scene again, for another engine or after a calibration. `channel`: of those drawn
+/// together, that of the scene. On all ranks; the result is rank 0's.
+FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch,
+                       std::size_t channel = 0);
 
 /// Loads the scene again, from the same volume.
 Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch);

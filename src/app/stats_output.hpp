@@ -45,6 +45,20 @@ inline double busy_seconds(const NodeStats& s) {
 }
 inline double megabytes(std::uint64_t bytes) { return double(bytes) / 1e6; }
 
+/// A frame's settings. Of channels that were added each has its transfer function.
+inline json settings_of(const FrameSpec& spec, const std::vector<DrawnChannel>& channels) {
+  json all = json::parse(to_json_text(spec));
+  for (const DrawnChannel& channel : channels) {
+    FrameSpec alone = spec;
+    alone.shown.transfer_function = channel.function;
+    const json function = json::parse(to_json_text(alone))["transfer_function"];
+    all["channels"].push_back(
+        {{"channel", channel.choice}, {"name", channel.name}, {"transfer_function", function}});
+  }
+  if (!channels.empty()) all.erase("transfer_function");
+  return all;
+}
+
 /// The file of --stats, to which each frame goes as soon as all is known of it.
 class StatsOutput {
  public:
@@ -61,8 +75,8 @@ class StatsOutput {
 
   /// `picture`: the frame's file; empty when none was written. `error` may be null. Throws RunError when the
   /// file cannot be written.
-  void add(const FrameResult& frame, const std::string& picture, const MeasuredError* error,
-           const std::string& volume) {
+  void add(const FrameResult& frame, const std::vector<DrawnChannel>& channels, const std::string& picture,
+           const MeasuredError* error, const std::string& volume) {
     if (as_table_) {
       ++frames_;
       for (std::size_t g = 0; g < frame.stats.gps.size(); ++g) gps_.at(g) += frame.stats.gps[g];
@@ -71,7 +85,8 @@ class StatsOutput {
       items_ = items_of(frame.spec.how);
     }
     if (as_table_ || file_.empty()) return;
-    json j = json::parse(to_json_text(frame.stats, layout_, to_json_text(frame.spec), name(frame.axis)));
+    json j = json::parse(
+        to_json_text(frame.stats, layout_, settings_of(frame.spec, channels).dump(), name(frame.axis)));
     if (!picture.empty()) j["file"] = picture;
     j["volume"] = volume;
     j["memory"] = to_json(memory_);

@@ -24,6 +24,13 @@ bool asks_for_colour_maps(const char* subcommand, const RenderOptions& o) {
   return false;
 }
 
+void refuse_several_channels(const char* subcommand, const VolumeOptions& volume) {
+  if (names_channels(volume.choice.channel))
+    throw InputError(
+        fmt::format("--channel {}: ringsplat {} shows one channel", volume.choice.channel, subcommand),
+        "choose one; ringsplat render draws several");
+}
+
 void add_volume(OptionList& list, RenderOptions& o, bool series) {
   add_volume_options(list, o.volume);
   add_clip_options(list, o);
@@ -85,6 +92,7 @@ void add_serve(OptionList& list, AllOptions& all) {
 Command settle_serve(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.serve.picture;
   if (asks_for_colour_maps("serve", o)) return Say{list_of_colour_maps()};
+  refuse_several_channels("serve", o.volume);
   static_cast<void>(serve::frame_ancestors(all.serve.allowed_frames));
   note_direction(list, o);  // it fits the sphere: turning changes no sizes
   if (o.run.topology == Topology::mesh && !list.is_given("--send-ahead")) o.run.protocol.send_ahead = 0;
@@ -101,6 +109,7 @@ void add_info(OptionList& list, AllOptions& all) {
 Command settle_info(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.info.picture;
   if (!all.info.presets && asks_for_colour_maps("info", o)) return Say{list_of_colour_maps()};
+  refuse_several_channels("info", o.volume);
   settle_fit(list, o);
   o.frame.how = method_for(o.method);
   return all.info;
@@ -115,6 +124,7 @@ void add_reference(OptionList& list, AllOptions& all) {
 Command settle_reference(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.reference.picture;
   if (asks_for_colour_maps("reference", o)) return Say{list_of_colour_maps()};
+  refuse_several_channels("reference", o.volume);
   check_values_file(o);
   settle_fit(list, o);
   o.frame.how = method_for(o.method);

@@ -135,13 +135,14 @@ ArrayPart choose_part(const DatasetMeaning& meaning, ScalarType type, const Volu
   for (const auto& axis : meaning.axes) {
     if (axis.role != Role::channel) continue;
     const bool last = &axis == &meaning.axes.back();
-    if (!meaning.channels.empty())
-      part.channel.index = int(choose_named_channel(choice.channel, axis.size, meaning.channels, where));
+    if (!meaning.notes.of_channels.empty())
+      part.channel.index =
+          int(choose_named_channel(choice.channel, axis.size, meaning.notes.of_channels, where));
     else if (last || !choice.channel.empty())
       part.channel = choose_channel(choice.channel, axis.size, last && are_colours(type, axis.size), where);
     else
-      log_warning_once("{}: it has {} channels, the first is shown; --channel N shows another", where,
-                       axis.size);
+      log_warning_once("{}: it has {} channels, the first is shown; --channel N shows another, all draws all",
+                       where, axis.size);
     if (!part.channel.index) part.components = axis.size;
   }
   part.frame = chosen_frame(choice, meaning.notes.frames, "volumes", where);

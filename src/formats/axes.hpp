@@ -33,7 +33,6 @@ struct DatasetMeaning {
   /// Where a convention gives it instead of the axes' own positions.
   std::optional<glm::dvec3> origin = std::nullopt;
   std::optional<glm::dmat3> direction = std::nullopt;
-  std::vector<std::string> channels = {};  ///< names of channels; none, or empty where one has none
 };
 
 /// Where columns, rows and slices lead as Fiji and napari show a stack: the default camera looks along +y, z

@@ -43,12 +43,13 @@ T luminance(const T* colour) {
   }
 }
 
-std::string listed_channels(std::int64_t count, const std::vector<std::string>& names) {
+std::string listed_channels(std::int64_t count, const std::vector<ChannelNotes>& notes) {
   constexpr std::int64_t most = 10;
   std::vector<std::string> listed;
   for (std::int64_t c = 0; c < std::min(count, most); ++c) {
-    const bool named = c < std::int64_t(names.size()) && !names[std::size_t(c)].empty();
-    listed.push_back(named ? fmt::format("{} ({})", c, excerpt(names[std::size_t(c)])) : std::to_string(c));
+    const bool named = c < std::int64_t(notes.size()) && !notes[std::size_t(c)].name.empty();
+    listed.push_back(named ? fmt::format("{} ({})", c, excerpt(notes[std::size_t(c)].name))
+                           : std::to_string(c));
   }
   if (count > most) listed.emplace_back("...");
   return comma_list(listed);
@@ -111,26 +112,32 @@ ChannelChoice choose_channel(const std::string& channel, int components, bool co
         "{}: voxels are colours, their luminance is shown; --channel r, g or b shows one of them", where);
     return {};
   }
-  const auto index = index_of(channel, components, colours);
+  const auto index = channel == "all" ? 0 : index_of(channel, components, colours);
   if (!index || *index < 0 || *index >= components)
     throw InputError(fmt::format("--channel {}: {} has no such channel", channel, where),
                      fmt::format("its channels are {}", names_of(components, colours)));
   return {index};
 }
 
+std::optional<std::int64_t> find_channel(const std::string& channel, std::int64_t count,
+                                         const std::vector<ChannelNotes>& notes) {
+  for (std::size_t c = 0; c < notes.size() && std::int64_t(c) < count; ++c)
+    if (lower_case(notes[c].name) == lower_case(channel)) return std::int64_t(c);
+  const auto number = number_in<std::int64_t>(channel);
+  return number && *number >= 0 && *number < count ? number : std::nullopt;
+}
+
 std::int64_t choose_named_channel(const std::string& channel, std::int64_t count,
-                                  const std::vector<std::string>& names, const std::string& where) {
+                                  const std::vector<ChannelNotes>& notes, const std::string& where) {
   if (channel.empty()) {
-    log_warning_once("{}: of the channels {} the first is shown; --channel takes another", where,
-                     listed_channels(count, names));
+    log_warning_once("{}: of the channels {} the first is shown; --channel takes another, all draws all",
+                     where, listed_channels(count, notes));
     return 0;
   }
-  for (std::size_t c = 0; c < names.size() && std::int64_t(c) < count; ++c)
-    if (lower_case(names[c]) == lower_case(channel)) return std::int64_t(c);
-  if (const auto number = number_in<std::int64_t>(channel); number && *number >= 0 && *number < count)
-    return *number;
+  if (const auto found = find_channel(channel, count, notes)) return *found;
+  if (channel == "all") return 0;
   throw InputError(fmt::format("--channel {}: {} has no such channel", channel, where),
-                   "its channels are " + listed_channels(count, names));
+                   "its channels are " + listed_channels(count, notes));
 }
 
 void take_channel(ScalarType type, int components, ChannelChoice choice, std::span<const std::byte> in,

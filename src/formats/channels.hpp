@@ -29,11 +29,15 @@ bool are_colours(ScalarType type, int components);
 ChannelChoice choose_channel(const std::string& channel, int components, bool colours,
                              const std::string& where);
 
-/// Of `count` channels that lie apart the one with this number or name, from 0; without it the first, of
-/// which a warning tells. `names`: one may be empty, or missing at the end. Throws InputError for no such
-/// channel.
+/// Of `count` channels the one with this name, in letters of any case, or else this number; nothing when
+/// there is none. `notes`: some may be missing at the end.
+std::optional<std::int64_t> find_channel(const std::string& channel, std::int64_t count,
+                                         const std::vector<ChannelNotes>& notes);
+
+/// The same for channels that lie apart; without a choice the first, of which a warning tells. Throws
+/// InputError for no such channel.
 std::int64_t choose_named_channel(const std::string& channel, std::int64_t count,
-                                  const std::vector<std::string>& names, const std::string& where);
+                                  const std::vector<ChannelNotes>& notes, const std::string& where);
 
 /// Takes the chosen numbers of interleaved voxels (native order). Luminance has the weights of ITU-R BT.709
 /// on the stored numbers, rounded to the nearest of an integer type. `out` has in.size() / components bytes.

@@ -61,7 +61,7 @@ std::unique_ptr<VolumeSource> open_described(const std::filesystem::path& path, 
 void require_choice_there(const VolumeNotes& notes, const VolumeChoice& choice,
                           const std::filesystem::path& path) {
   detail::chosen_frame(choice, notes.frames, "volumes", path.string());
-  if (!choice.channel.empty() && notes.channels == 1)
+  if (!choice.channel.empty() && choice.channel != "all" && notes.channels == 1)
     throw InputError(fmt::format("--channel {}: {} has one value a voxel", choice.channel, path.string()),
                      "leave --channel out");
   if (!choice.series.empty() && notes.modality.empty())

@@ -7,12 +7,16 @@
 
 #include "options/method_options.hpp"
 #include "options/option_values.hpp"
+#include "options/options.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {
 
 using enum Relation;
+
+/// Stands for every value of --channel that means several.
+constexpr const char* several = "several";
 
 const Some only_splats{{.option = {}, .mark = Mark::of_splats}};
 const Some only_sheets{{.option = {}, .mark = Mark::of_sheets}, {.option = "--samples", .value = "1.5"}};
@@ -42,6 +46,9 @@ const Rule all_rules[] = {
     {"--matrix", excludes, "--path", "a path gives each frame's view: put the matrix into its lines as JSON"},
     {"--path", excludes, "--azimuth", "the path gives each frame's azimuth: leave it out"},
     {"--path", excludes, "--elevation", "the path gives each frame's elevation: leave it out"},
+    {"--channel=several", excludes,
+     "--progressive --path=- --trace --machine --error --max-error --values --colours --labels --tf-out",
+     "leave it out, or draw one channel by itself", "{0} draws several channels, {1} is for one"},
     {"--mesh", excludes, "--gps", "the mesh says how many GPs there are: leave out --gps"},
     {"--mesh", excludes, "--send-ahead",
      "in a mesh tokens wait, so that payloads do not meet: leave out --send-ahead"},
@@ -106,9 +113,11 @@ const Rule all_rules[] = {
 };
 
 bool given(const Option& option, const Which& which) {
+  const auto meant = [&](const std::string& word) {
+    return word == *which.value || (*which.value == several && names_channels(word));
+  };
   return means(which, option) && option.is_given() &&
-         (!which.value ||
-          std::find(option.given.begin(), option.given.end(), *which.value) != option.given.end());
+         (!which.value || std::any_of(option.given.begin(), option.given.end(), meant));
 }
 
 /// The given option that matches `which`, or null.

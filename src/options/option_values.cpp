@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -49,11 +48,7 @@ glm::dvec3 from_hex(std::uint32_t rgb) {
 }
 
 std::optional<std::uint32_t> hex(std::string_view text) {
-  std::uint32_t rgb = 0;
-  if (text.size() != 7 || text.front() != '#') return std::nullopt;
-  const auto [end, error] = std::from_chars(text.data() + 1, text.data() + 7, rgb, 16);
-  if (error != std::errc{} || end != text.data() + 7) return std::nullopt;
-  return rgb;
+  return text.starts_with('#') ? detail::rgb_in(text.substr(1)) : std::nullopt;
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {

@@ -27,8 +27,9 @@ void add_volume_options(OptionList& list, VolumeOptions& o) {
        value(o.path), Mark::of_program},
       {"--frame", "N", nullptr, "Of a file with several time points the one to take, from 0",
        value(o.choice.frame, {.least = 0})},
-      {"--channel", "N|NAME", nullptr,
-       "Of several values a voxel the one to take; a number from 0, r, g, b, a or an array's name",
+      {"--channel", "N|NAME,...|all", nullptr,
+       "Of several values a voxel the one to take; a number from 0, r, g, b, a or the name of a channel or "
+       "an array; render also adds up to six, each in its colour: 0,2 or DAPI=blue,GFP=#00ff00, or all",
        value(o.choice.channel)},
       {"--series", "NAME", nullptr, "Of a DICOM folder's series the one to take; ringsplat info lists them",
        value(o.choice.series)},

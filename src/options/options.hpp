@@ -35,11 +35,16 @@ struct VolumeOptions {
   RawDescription raw;
   VolumeChoice choice;
   /// Opens it where it is no file; `path` is then its name for people.
-  std::function<std::unique_ptr<VolumeSource>()> opener = {};
+  std::function<std::unique_ptr<VolumeSource>(const VolumeChoice&)> opener = {};
 };
 
+/// True when --channel means channels that are drawn together: a list, or one with a colour.
+inline bool names_channels(const std::string& channel) {
+  return channel == "all" || channel.find_first_of(",=") != std::string::npos;
+}
+
 inline std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& volume) {
-  if (volume.opener) return volume.opener();
+  if (volume.opener) return volume.opener(volume.choice);
   return ringsplat::open_volume(volume.path, volume.raw, volume.choice);
 }
 
@@ -74,6 +79,8 @@ struct ColourOptions {
   std::string colours;             ///< a colour map's name; empty: its own colours
   bool log = false;                ///< on a logarithmic axis
   bool labels = false;             ///< a colour for each value instead
+  /// The display colour of a channel that is drawn with others: colours go from black to it.
+  std::optional<glm::dvec3> tint;
   /// Between voxels; without a value nearest for labels, else linear.
   std::optional<Interpolation> interpolation;
   Mode mode = Mode::composite;

@@ -171,7 +171,7 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        "What a ray shows: light through the volume; its largest or least value, their mean, or their "
        "integral "
        "over length, in grey or in --tf's colours and opacities; or the first surface of --isovalue; needs "
-       "sheets",
+       "sheets; without it mip for several channels",
        choice(o.colour.mode,
               named({Mode::composite, Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface}))},
       {"--isovalue", nullptr, nullptr,

@@ -36,6 +36,18 @@ std::string visible_range(const TransferFunction& tf) {
   return fmt::format("from {:g} to {:g}", plain(from), plain(to));
 }
 
+/// From black to a channel's colour. Without light the steps are even on the display, as microscopes'
+/// programs show them; what is seen through haze would be too dark in that way. A surface has one colour.
+ColourMap map_to(const glm::dvec3& colour, Mode mode) {
+  const int steps = mode == Mode::composite ? 1 : 32;
+  ColourMap map{.name = "channel", .points = {}};
+  for (int k = 0; k <= steps; ++k) {
+    const double part = double(k) / steps;
+    map.points.push_back({part, mode == Mode::surface ? colour : part * colour});
+  }
+  return map;
+}
+
 /// Voxels of the file's fill value are clear whatever the function says.
 void clear_noted_fill(TransferFunction& tf, const ValueStatistics& values) {
   const auto& fill = values.kind.fill;
@@ -53,6 +65,7 @@ void clear_noted_fill(TransferFunction& tf, const ValueStatistics& values) {
 TransferFunctionChoice::TransferFunctionChoice(const std::string& text, const ColourOptions& colour)
     : colour_(colour) {
   if (!colour_.colours.empty()) map_ = colour_map(colour_.colours);
+  if (colour_.tint) map_ = map_to(*colour_.tint, colour_.mode);
   const auto presets = names_of_presets();
   if (std::find(presets.begin(), presets.end(), text) != presets.end()) {
     preset_ = text;

@@ -113,8 +113,10 @@ app::VolumeOptions polled(const app::VolumeOptions& volume, const Hooks& hooks) 
   app::VolumeOptions result = volume;
   const auto progress = std::make_shared<app::Progress>(
       app::Progress::Listener{[poll = hooks.poll](auto&&...) { poll(); }, {}});
-  result.opener = [volume, progress] {
-    return std::make_unique<app::WatchedSource>(open_volume(volume), *progress);
+  result.opener = [volume, progress](const VolumeChoice& choice) {
+    app::VolumeOptions chosen = volume;
+    chosen.choice = choice;
+    return std::make_unique<app::WatchedSource>(open_volume(chosen), *progress);
   };
   return result;
 }
@@ -143,7 +145,8 @@ app::MeasuredError measured(const Picture& picture, truth::Scene& scene, const a
 }  // namespace
 
 Picture picture_of(FrameResult&& result, const app::RenderOptions& options, const ValueRange& range,
-                   const std::optional<app::Annotation>& annotation) {
+                   const std::optional<app::Annotation>& annotation,
+                   const std::vector<app::DrawnChannel>& channels) {
   std::string why = app::why_empty(result, range);
   if (why.empty()) why = app::why_nearly_empty(result);
   if (!why.empty()) log_warning("{}", why);
@@ -152,7 +155,7 @@ Picture picture_of(FrameResult&& result, const app::RenderOptions& options, cons
   picture.spec = std::move(result.spec);
   picture.asked = options.frame.how;
   picture.seconds = result.stats.seconds;
-  picture.settings = app::picture_settings(picture.spec, options.volume.path, options.annotate);
+  picture.settings = app::picture_settings(picture.spec, options.volume.path, options.annotate, channels);
   picture.background = options.background;
   if (annotation) picture.overlay = annotation->overlay(picture.spec, range);
   return picture;
@@ -167,26 +170,33 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
   app::Job job = app::prepare(options, launch);
   const app::RenderOptions& o = job.options;
   const Wiring wiring = launch.wiring(o.run.loopback);
-  Scene scene = app::load(job.volume, job.load, job.layout, wiring, progress);
-  const FrameSpec frame = app::choose_frame(job, scene, wiring, progress, launch);
-  const ValueRange range = scene.values.range;
+  ValueRange range;
   std::vector<Picture> pictures;
-  const auto take = [&](FrameResult&& result) {
-    pictures.push_back(picture_of(std::move(result), o, range, job.annotation));
+  app::ChannelSum sum(job.channels_drawn(), [&](FrameResult&& result, std::size_t) {
+    pictures.push_back(picture_of(std::move(result), o, range, job.annotation, job.channels));
     progress.at(double(pictures.size()));
-  };
-  const auto frames = frames_of(frame, job.cameras);
-  progress.begin("rendering", double(frames.size()));
-  app::render_all(std::move(scene), job.layout, o.run.protocol, director_of(frames, take), wiring,
-                  o.run.engine);
-  progress.end();
+  });
+  for (std::size_t channel = 0; channel < job.channels_drawn(); ++channel) {
+    if (channel > 0) job.volume = app::open(job.series[channel].volume, launch);
+    Scene scene = app::load(job.volume, job.load, job.layout, wiring, progress);
+    const FrameSpec frame = app::choose_frame(job, scene, wiring, progress, launch, channel);
+    if (channel == 0) range = scene.values.range;
+    const auto add = [&](FrameResult&& result) {
+      const auto view = std::size_t(result.spec.frame);
+      sum.add(std::move(result), channel, view);
+    };
+    progress.begin("rendering", double(job.cameras.size()));
+    app::render_all(std::move(scene), job.layout, o.run.protocol,
+                    director_of(frames_of(frame, job.cameras), add), wiring, o.run.engine);
+    progress.end();
+  }
   const auto judge = [&] {
     std::vector<app::Judged> judged;
     truth::Scene truth = read_scene(o.volume, hooks);
     for (Picture& picture : pictures) {
       if (picture.error) continue;
       picture.error = measured(picture, truth, o.error);
-      picture.settings = app::picture_settings(picture.spec, o.volume.path, o.annotate, &*picture.error);
+      picture.settings = app::picture_settings(picture.spec, o.volume.path, o.annotate, {}, &*picture.error);
       const std::string name = fmt::format("picture {}", picture.spec.frame);
       judged.push_back({picture.spec, name, picture.error->error.rmse});
     }
@@ -194,7 +204,7 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
   };
   const auto replace = [&](FrameResult&& result) {
     Picture& picture = pictures[std::size_t(result.spec.frame)];
-    picture = picture_of(std::move(result), o, range, job.annotation);
+    picture = picture_of(std::move(result), o, range, job.annotation, job.channels);
   };
   if (o.budget.max_error)
     app::hold_budget(job, {judge, replace}, wiring, progress, launch);
@@ -205,6 +215,8 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
 
 app::MeasuredError measure(const Picture& picture, const app::VolumeOptions& volume,
                            const app::ErrorOptions& error, const Hooks& hooks) {
+  if (app::names_channels(volume.choice.channel))
+    throw InputError("a picture of several channels has no error", "draw one channel by itself");
   const PlainFloats floats;
   truth::Scene scene = read_scene(polled(volume, hooks), hooks);
   return measured(picture, scene, error);

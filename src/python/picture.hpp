@@ -54,7 +54,8 @@ struct Picture {
 /// A picture of a frame that was rendered with `options`; `range`: the volume's. Warns, in the log, of one
 /// that shows nothing.
 Picture picture_of(FrameResult&& result, const app::RenderOptions& options, const ValueRange& range,
-                   const std::optional<app::Annotation>& annotation);
+                   const std::optional<app::Annotation>& annotation,
+                   const std::vector<app::DrawnChannel>& channels = {});
 
 /// Renders one picture, or one of each view, in this process. Throws InputError and RunError.
 std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& hooks);

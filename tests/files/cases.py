@@ -20,11 +20,11 @@ def voxels(dtype=np.uint8, shape=(6, 5, 7), seed=1):
 
 
 def case(name, file, expected, *, spacing=None, origin=None, direction=None, unit=None, world=None, frames=None,
-         channels=None, frame=None, channel=None, series=None, part=""):
+         channels=None, of_channels=None, frame=None, channel=None, series=None, part=""):
     """Says that `file` (below FOLDER; `part` is added behind a colon) holds `expected[z, y, x]`.
 
     Lengths are in `unit`, in the order x, y, z; `direction` lists the world directions of the lattice's x, y and z.
-    What is None is not compared. `frame`, `channel` and `series` are the choices to open it with.
+    What is None is not compared. `of_channels`: of each channel name, colour, window, hidden. `frame`, `channel` and `series` are the choices to open it with.
     """
     expected = np.ascontiguousarray(expected)
     assert expected.ndim == 3, name
@@ -41,6 +41,7 @@ def case(name, file, expected, *, spacing=None, origin=None, direction=None, uni
         "world": world,
         "frames": frames,
         "channels": channels,
+        "of_channels": of_channels,
         "frame": frame,
         "channel": channel,
         "series": series,

@@ -79,6 +79,16 @@ void check_notes(const VolumeNotes& notes, const json& wanted) {
   if (wanted.contains("unit")) CHECK(notes.unit == wanted["unit"].get<std::string>());
   if (wanted.contains("world")) CHECK(name_of(notes.world) == wanted["world"].get<std::string>());
   if (wanted.contains("frames")) CHECK(notes.frames == wanted["frames"].get<int>());
+  if (wanted.contains("of_channels")) {
+    json found;
+    for (const ChannelNotes& channel : notes.of_channels) {
+      const auto& [name, colour, window, hidden] = channel;
+      found.push_back({name, nullptr, nullptr, hidden});
+      if (colour) found.back()[1] = {colour->x, colour->y, colour->z};
+      if (window) found.back()[2] = {window->x, window->y};
+    }
+    CHECK(found == wanted["of_channels"]);
+  }
   if (wanted.contains("channels")) CHECK(notes.channels == wanted["channels"].get<int>());
 }
 

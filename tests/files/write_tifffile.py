@@ -26,22 +26,27 @@ def ome(name, axes, **how):
     whole = series(2, 3)
     pages = np.transpose(whole, ["TCZYX".index(axis) for axis in axes])
     metadata = {"axes": axes, "PhysicalSizeX": 0.2, "PhysicalSizeY": 0.3, "PhysicalSizeZ": 1500,
-                "PhysicalSizeZUnit": "nm", "Channel": {"Name": ["DAPI", "GFP", "m\u00b5 <>"]}}
+                "PhysicalSizeZUnit": "nm",
+                "Channel": {"Name": ["DAPI", "GFP", "m\u00b5 <>"], "Color": [65535, 16711935, -1]}}
     for frame, channel, wanted in ((0, 0, "DAPI"), (1, 1, "gfp"), (1, 2, "2")):
         one = f"{name}_{frame}{channel}"
         tifffile.imwrite(FOLDER / f"{one}.tif", pages, ome=True, metadata=metadata, **how)
         stack(one, whole[frame, channel], spacing=[0.2, 0.3, 1.5], unit="um", frames=2, channels=3, frame=frame,
-              channel=wanted)
+              channel=wanted, of_channels=[["DAPI", [0, 0, 1], None, False], ["GFP", [0, 1, 0], None, False],
+                                           ["m\u00b5 <>", [1, 1, 1], None, False]])
 
 
 def image_j(name, **how):
     whole = series(2, 3)
+    luts = [np.outer(np.eye(3)[k], np.arange(256)).astype("uint8") for k in range(3)]
     for frame, channel in ((0, 1), (1, 2)):
         one = f"{name}_{frame}{channel}"
         tifffile.imwrite(FOLDER / f"{one}.tif", np.moveaxis(whole, 1, 2), imagej=True, resolution=(5, 4),
-                         metadata={"axes": "TZCYX", "spacing": 0.5, "unit": "um"}, **how)
+                         metadata={"axes": "TZCYX", "spacing": 0.5, "unit": "um", "LUTs": luts,
+                                   "Ranges": (3.0, 200.5, 0.0, 65535.0, 7.0, 90.0)}, **how)
         stack(one, whole[frame, channel], spacing=[0.2, 0.25, 0.5], unit="um", frames=2, channels=3, frame=frame,
-              channel=str(channel))
+              channel=str(channel), of_channels=[["", [1, 0, 0], [3, 200.5], False], ["", [0, 1, 0], None, False],
+                                                 ["", [0, 0, 1], [7, 90], False]])
 
 
 def luminance(colours):

@@ -150,9 +150,13 @@ def ome(name, expected, file=None, **what):
 for version in ("0.4", "0.5"):
     name = "ome_zarr_" + version.replace(".", "")
     whole = np.array([[voxels("uint16", SHAPE, 31 * t + 7 * c) for c in range(3)] for t in range(2)])
-    channels = {"omero": {"channels": [{"label": label} for label in ("DAPI", "GFP", "m\u00b5")]}}
+    channels = {"omero": {"channels": [
+        {"label": "DAPI", "color": "0000FF", "active": True, "window": {"start": 10, "end": 200, "min": 0, "max": 65535}},
+        {"label": "GFP", "color": "00FF00", "active": False, "window": {"start": 0, "end": 65535, "min": 0, "max": 65535}},
+        {"label": "m\u00b5"}]}}
     small = image(store(name, version), whole, "tczyx", version, chunks=(1, 2, *CHUNK), **channels)
-    ome(name, whole[0, 0], frames=2, channels=3)
+    ome(name, whole[0, 0], frames=2, channels=3, of_channels=[
+        ["DAPI", [0, 0, 1], [10, 200], False], ["GFP", [0, 1, 0], None, True], ["m\u00b5", None, None, False]])
     ome(f"{name}_gfp", whole[1, 1], f"{name}.zarr", frame=1, channel="gfp")
     ome(f"{name}_2", whole[1, 2], f"{name}.zarr/0", frame=1, channel="2")
     ome(f"{name}_level", small[0, 0], f"{name}.zarr/1/", spacing=[0.2, 0.4, 0.5], origin=[0.05, 0, -0.1])

@@ -40,6 +40,21 @@ def test_labels_are_drawn_as_by_the_program(exr_of, npy, tmp_path):
     assert rs.render(labels, size=64).settings["engine"] == rs.render(file, size=64).settings["engine"]
 
 
+def test_channels_are_added_as_by_the_program(exr_of, npy, tmp_path):
+    file = npy(np.stack([blob((16, 20, 24), seed=seed) for seed in range(2)], axis=-1))
+    image = rs.render(file, size=64, channel=[0, 1], annotate=True)
+    theirs = exr_of(file, "--size", 64, "--channel", "0,1", "--annotate")
+    assert saved(image, tmp_path / "c.exr") == theirs
+    assert [each["name"] for each in image.settings["channels"]] == ["channel 0", "channel 1"]
+    pictures = rs.render(file, size=64, channel="1=red,0", azimuth=[0, 90])
+    alone = rs.render(file, size=64, channel="0,1=red", azimuth=90)
+    assert len(pictures) == 2 and np.asarray(pictures[1]).shape == np.asarray(alone).shape
+    with pytest.raises(rs.InputError, match="several channels has no error"):
+        image.error()
+    with pytest.raises(rs.InputError, match="one value a voxel"):
+        rs.render(blob((8, 8, 8)), size=16, channel=[0, 1])
+
+
 def test_other_options_mean_the_same(exr_of, npy, tmp_path):
     file = npy(blob((16, 20, 24)))
     image = rs.render(

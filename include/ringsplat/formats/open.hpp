@@ -23,7 +23,9 @@ struct RawDescription {
 /// Which of the volumes in a file or a folder to take.
 struct VolumeChoice {
   std::optional<int> frame = std::nullopt;  ///< the time point, from 0; without it the first
-  std::string channel = {};  ///< a number from 0, r, g, b or a, or a channel's name; empty: not chosen
+  /// A number from 0, r, g, b or a, or a channel's name; "all": the first, for whoever takes each in turn;
+  /// empty: not chosen.
+  std::string channel = {};
   std::string series = {};   ///< of a DICOM folder; empty: not chosen
   /// Bytes that the voxels may take, for which a level of an OME-Zarr pyramid is chosen; without it a third
   /// of this machine's memory.

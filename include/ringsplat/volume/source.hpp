@@ -1,5 +1,7 @@
 #pragma once
 #include <cstddef>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
 #include <span>
@@ -17,6 +19,14 @@ enum class World {
   microscope  ///< x: image columns; -z: image rows; y: slices, away from the default viewer
 };
 
+/// What a file says of one of its channels.
+struct ChannelNotes {
+  std::string name = {};                            ///< empty: it has none
+  std::optional<glm::dvec3> colour = std::nullopt;  ///< display (sRGB) values, 0 to 1
+  std::optional<glm::dvec2> window = std::nullopt;  ///< the values that are black and fully coloured
+  bool hidden = false;                              ///< its programs do not show it
+};
+
 /// What a file says of its volume beside the lattice. Nothing of it changes a voxel.
 struct VolumeNotes {
   World world = World::lattice;
@@ -28,6 +38,7 @@ struct VolumeNotes {
   int frames = 1;                             ///< time points that --frame can choose from
   /// What --channel can choose from; one for a scalar volume.
   int channels = 1;
+  std::vector<ChannelNotes> of_channels = {};  ///< in their order, where it says something of them
   /// What --series can choose from in a DICOM folder, a line each.
   std::vector<std::string> series = {};
 };

@@ -154,13 +154,18 @@ void read_runs(const std::vector<Element>& tags, std::int64_t samples, Microscop
 void read_channels(const std::vector<Element>& tags, Microscopy& said, std::int64_t& samples) {
   for (const auto& [name, a] : tags) {
     if (name != "Channel") continue;
-    if (said.names.empty()) samples = count_in(a, "SamplesPerPixel").value_or(1);
-    said.names.push_back(trimmed(text_in(a, "Name")));
+    if (said.of_channels.empty()) samples = count_in(a, "SamplesPerPixel").value_or(1);
+    ChannelNotes& notes = said.of_channels.emplace_back();
+    notes.name = trimmed(text_in(a, "Name"));
+    // Red, green, blue and alpha of 8 bits, from the top down, in a signed number.
+    if (const auto rgba = count_in(a, "Color"))
+      notes.colour = glm::dvec3(*rgba >> 24 & 255, *rgba >> 16 & 255, *rgba >> 8 & 255) / 255.0;
   }
   // The colours of a page count as channels there.
   if (samples < 1 || said.channels % samples != 0) samples = 1;
   said.channels /= samples;
-  if (said.channels < std::int64_t(said.names.size())) said.names.resize(std::size_t(said.channels));
+  if (said.channels < std::int64_t(said.of_channels.size()))
+    said.of_channels.resize(std::size_t(said.channels));
 }
 
 Microscopy read_ome(const std::string& xml) {

@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "ringsplat/volume/source.hpp"
+
 namespace ringsplat::detail {
 
 /// What a microscope's program says in the ImageDescription of a file's planes: images of one slice in one
@@ -16,7 +18,7 @@ struct Microscopy {
   std::string problem;  ///< why its planes are no single image of this file; empty when they are
   std::int64_t channels = 1, frames = 1;
   std::optional<std::int64_t> slices;  ///< where it says how many
-  std::vector<std::string> names;      ///< of channels, empty where one has none
+  std::vector<ChannelNotes> of_channels;
   glm::dvec3 spacing{1};
   bool sized = false;  ///< it gives the pixels' size
   std::string unit;    ///< of the spacing, in ASCII: "um" for every length known; empty: unknown

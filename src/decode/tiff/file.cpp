@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -28,6 +30,7 @@ struct TiffPages {
   // Of the first page; empty and 0 when missing.
   std::string description;                 ///< tag ImageDescription
   std::array<double, 2> resolution{0, 0};  ///< tags XResolution and YResolution: pixels for a unit
+  std::vector<ChannelNotes> of_channels;   ///< ImageJ's tags
 };
 
 enum Version : std::uint64_t { classic = 42, big_tiff = 43 };
@@ -42,9 +45,12 @@ enum FieldTag : std::uint64_t {
   strip_bytes = 279,
   planar_configuration = 284,
   tile_offsets = 324,
-  tile_bytes = 325
+  tile_bytes = 325,
+  image_j_lengths = 50838,
+  image_j_blocks = 50839
 };
 enum FieldType : std::uint64_t {
+  single_bytes = 1,
   text = 2,
   short_numbers = 3,
   long_numbers = 4,
@@ -57,6 +63,13 @@ struct Field {
   std::uint64_t begin = 0, count = 0;
   std::size_t number_bytes = 0;
 };
+
+/// All that 8 or 16 bits hold was nobody's choice.
+std::optional<glm::dvec2> window_of(double low, double high) {
+  const bool all = low == 0 && (high == 255 || high == 65535);
+  return low < high && std::isfinite(high - low) && !all ? std::optional(glm::dvec2(low, high))
+                                                         : std::nullopt;
+}
 
 /// Reads the directories of a TIFF or BigTIFF file (TIFF 6.0, section 2) and checks that they and their
 /// strips or tiles lie in the file. In a cut file the library takes a chain that leads beyond the end for the
@@ -74,7 +87,8 @@ class TiffChain {
   }
 
   TiffPages pages() const {
-    TiffPages found{.big_endian = big_endian_, .pages = {}, .description = {}};
+    TiffPages found;
+    found.big_endian = big_endian_;
     if (!is_tiff_) return found;
     const auto most = file_.size() / (count_bytes() + offset_bytes());
     for (auto at = first_page(); at != 0;) {
@@ -110,7 +124,7 @@ class TiffChain {
     const bool first = found.pages.size() == 1;
     const auto entries = number(at, count_bytes());
     if (entries > file_.size() / entry_bytes()) fail();
-    Field offsets, lengths;
+    Field offsets, lengths, block_lengths, blocks;
     bool raw = true, compressed = false;
     for (std::uint64_t i = 0; i < entries; ++i) {
       const auto entry = at + count_bytes() + i * entry_bytes();
@@ -118,6 +132,8 @@ class TiffChain {
       if (first && tag == image_description && type == text) found.description = text_of(field(entry));
       if (first && (tag == x_resolution || tag == y_resolution) && type == ratios)
         found.resolution[tag == x_resolution ? 0 : 1] = ratio_of(field(entry));
+      if (first && tag == image_j_lengths && type == long_numbers) block_lengths = field(entry);
+      if (first && tag == image_j_blocks && type == single_bytes) blocks = field(entry);
       if (tag == strip_offsets || tag == tile_offsets) offsets = field(entry);
       if (tag == strip_bytes || tag == tile_bytes) lengths = field(entry);
       constexpr std::uint64_t smaller_copy = 1, mask = 4, is_palette = 3;
@@ -126,6 +142,7 @@ class TiffChain {
       if (tag == compression) compressed = value_of(entry) != 1;
       if (tag == tile_offsets || (tag == planar_configuration && value_of(entry) != 1)) raw = false;
     }
+    if (block_lengths.count > 0 && blocks.count > 0) read_channels(block_lengths, blocks, found.of_channels);
     const auto parts = std::min(offsets.count, lengths.count);
     for (std::uint64_t i = 0; i < parts; ++i) {
       const auto begin = number(offsets.begin + i * offsets.number_bytes, offsets.number_bytes);
@@ -147,7 +164,7 @@ class TiffChain {
 
   Field field(std::uint64_t entry) const {
     const auto type = number(entry + 2, 2);
-    const std::size_t bytes = type == text                              ? 1
+    const std::size_t bytes = type == text || type == single_bytes      ? 1
                               : type == short_numbers                   ? 2
                               : type == long_numbers                    ? 4
                               : type == long8_numbers || type == ratios ? 8
@@ -163,6 +180,35 @@ class TiffChain {
     if (field.begin > file_.size() || file_.size() - field.begin < field.count) fail();
     file_.read(field.begin, std::as_writable_bytes(std::span(text)));
     return text.substr(0, text.find('\0'));
+  }
+
+  /// ImageJ's blocks (ij/io/TiffEncoder.java): the first says how many there are of each kind behind it. A
+  /// channel's colours are 256 reds, greens and blues; ranges are two float64 a channel.
+  void read_channels(const Field& lengths, const Field& blocks, std::vector<ChannelNotes>& channels) const {
+    constexpr std::uint64_t colours = 0x6c757473, ranges = 0x72616e67;
+    constexpr std::uint64_t most_channels = 256, most_kinds = 4 + 8 * 64;
+    const auto length = [&](std::uint64_t block) {
+      return number(lengths.begin + block * lengths.number_bytes, lengths.number_bytes);
+    };
+    const auto channel = [&](std::uint64_t k) -> ChannelNotes& {
+      if (k >= channels.size()) channels.resize(std::size_t(k + 1));
+      return channels[std::size_t(k)];
+    };
+    const auto kinds = std::min(length(0), most_kinds);
+    auto at = blocks.begin + length(0);
+    std::uint64_t block = 1;
+    for (std::uint64_t entry = 4; entry + 8 <= kinds; entry += 8) {
+      const auto kind = number(blocks.begin + entry, 4), count = number(blocks.begin + entry + 4, 4);
+      for (std::uint64_t k = 0; k < count && block < lengths.count; ++k, ++block) {
+        if (kind == colours && length(block) == 3 * 256 && k < most_channels)
+          channel(k).colour =
+              glm::dvec3(number(at + 255, 1), number(at + 511, 1), number(at + 767, 1)) / 255.0;
+        for (std::uint64_t c = 0; kind == ranges && c < std::min(length(block) / 16, most_channels); ++c)
+          channel(c).window = window_of(std::bit_cast<double>(number(at + 16 * c, 8)),
+                                        std::bit_cast<double>(number(at + 16 * c + 8, 8)));
+        at += length(block);
+      }
+    }
   }
 
   double ratio_of(const Field& field) const {
@@ -312,6 +358,7 @@ TiffFile read_tiff_file(const std::filesystem::path& path) {
     refuse(path, "extract one image as a stack, in Fiji with Image > Duplicate, or with tiffsplit",
            "{} (by its {})", file.microscopy.problem, file.microscopy.by);
   require_planes(chain, file);
+  if (file.microscopy.by == "ImageJ") file.microscopy.of_channels = chain.of_channels;
   return file;
 }
 

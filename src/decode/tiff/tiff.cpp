@@ -82,7 +82,7 @@ Taken take(const TiffFile& file, const VolumeChoice& choice) {
   auto of_samples = choice.channel;
   if (file.microscopy.channels > 1) {
     taken.channel =
-        choose_named_channel(choice.channel, file.microscopy.channels, file.microscopy.names, where);
+        choose_named_channel(choice.channel, file.microscopy.channels, file.microscopy.of_channels, where);
     of_samples.clear();
   }
   const bool grey_and_alpha = file.samples == 2 && file.has_alpha && choice.channel.empty();
@@ -170,6 +170,7 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
   notes.frames = int(first->microscopy.frames);
   const int channels = int(first->microscopy.channels);
   notes.channels = channels > 1 ? channels : first->samples;
+  if (channels > 1) notes.of_channels = first->microscopy.of_channels;
   check_lattice(grid, path.string());
   std::unique_ptr<VolumeSource> source = std::make_unique<TiffSource>(
       interleaved_grid(grid, first->samples, path.string()), std::move(slices), first->samples);

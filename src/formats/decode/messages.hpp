@@ -93,9 +93,13 @@ void fields(Grid& grid, Archive& archive) {
   archive(grid.dims, grid.spacing, grid.origin, grid.direction, grid.type);
 }
 template <class Archive>
+void fields(ChannelNotes& notes, Archive& archive) {
+  archive(notes.name, notes.colour, notes.window, notes.hidden);
+}
+template <class Archive>
 void fields(VolumeNotes& notes, Archive& archive) {
   archive(notes.world, notes.unit, notes.quantity, notes.modality, notes.fill, notes.labels, notes.frames,
-          notes.channels, notes.series);
+          notes.channels, notes.of_channels, notes.series);
 }
 template <class Archive>
 void fields(detail::StoredVoxels& stored, Archive& archive) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "base/byte_order.hpp"
@@ -183,6 +184,22 @@ class ZarrSource final : public LayeredSource {
   std::vector<std::byte> packed_, values_;
 };
 
+/// What "omero" says of a channel. A window that spans all that the values may be was nobody's choice.
+ChannelNotes channel_in(const Json& json) {
+  ChannelNotes notes{.name = text_in(json, "label")};
+  if (const auto rgb = rgb_in(text_in(json, "color")))
+    notes.colour = glm::dvec3(*rgb >> 16 & 255U, *rgb >> 8 & 255U, *rgb & 255U) / 255.0;
+  notes.hidden = json.contains("active") && json["active"] == false;
+  const Json window = json.value("window", Json::object());
+  const auto number = [&](const char* key) {
+    return window.contains(key) && window[key].is_number() ? window[key].get<double>() : std::nan("");
+  };
+  const glm::dvec2 shown(number("start"), number("end"));
+  const bool all = shown.x == number("min") && shown.y == number("max");
+  if (shown.x < shown.y && std::isfinite(shown.y - shown.x) && !all) notes.window = shown;
+  return notes;
+}
+
 /// By what OME-Zarr says of an image and its level. Lengths are made micrometres where all have units.
 void describe(const Node& group, const Json& image, const Json& level, DatasetMeaning& meaning) {
   auto& axes = meaning.axes;
@@ -208,7 +225,7 @@ void describe(const Node& group, const Json& image, const Json& level, DatasetMe
   meaning.notes.world = World::microscope;
   meaning.notes.labels |= group.ome.contains("image-label");
   for (const auto& channel : group.ome.value("/omero/channels"_json_pointer, Json::array()))
-    meaning.channels.push_back(text_in(channel, "label"));
+    meaning.notes.of_channels.push_back(channel_in(channel));
   for (const auto& axis : axes)
     if (axis.role == Role::space && !micrometres_in(axis.unit)) return;
   meaning.notes.unit = "um";

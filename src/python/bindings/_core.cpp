@@ -122,7 +122,8 @@ Strides strides_of(const std::array<std::int64_t, 3>& xyz) { return {xyz[0], xyz
 void set_volume(app::VolumeOptions& options, const std::optional<ArrayVolume>& array,
                 const std::string& name) {
   options.path = name;
-  if (array) options.opener = [array = *array] { return std::make_unique<ArraySource>(array); };
+  if (array)
+    options.opener = [array = *array](const VolumeChoice&) { return std::make_unique<ArraySource>(array); };
 }
 
 std::vector<Picture> render(const Words& words, const std::vector<Angles>& views,

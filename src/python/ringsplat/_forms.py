@@ -32,6 +32,12 @@ def _text(value: Any) -> list[str]:
     return [str(value)]
 
 
+def _list(value: Any) -> list[str]:
+    """One or several, as numbers or texts, in one word."""
+    several = isinstance(value, (list, tuple, np.ndarray))
+    return [",".join(str(one) for one in value) if several else str(value)]
+
+
 def _joined(between: str, counts: tuple[int, ...]):
     """Several numbers in one word, or a text that is such a word."""
 
@@ -75,7 +81,7 @@ FORMS = {
     **dict.fromkeys(("FLOAT", "DEGREES", "RADII", "RMSE", "F"), ("float", _one)),
     **dict.fromkeys(("INT", "UINT", "N", "T", "BYTES"), ("int", _one)),
     **dict.fromkeys(("NAME", "TYPE", "SIZE"), ("str", _text)),
-    "N|NAME": ("int | str", _text),
+    "N|NAME,...|all": ("int | str | Sequence[int | str]", _list),
     "SIDE": ("Literal['front', 'back', 'left', 'right', 'top', 'bottom']", _text),
     "WxH": ("int | tuple[int, int] | str", _joined("x", (1, 2))),
     "XxYxZ": ("float | Sequence[float] | str", _joined("x", (1, 3))),

@@ -11,7 +11,7 @@ class PictureOptions(TypedDict, total=False):
     """Options of render(); a session's picture has all but those of files, errors and threads."""
 
     frame: int
-    channel: int | str
+    channel: int | str | Sequence[int | str]
     series: str
     memory: str
     dims: float | Sequence[float] | str

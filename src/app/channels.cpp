@@ -1,0 +1,151 @@
+#include "app/channels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/printable.hpp"
+#include "base/text.hpp"
+#include "classify/colour_maps.hpp"
+#include "classify/srgb.hpp"
+#include "formats/channels.hpp"
+#include "options/option_values.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+using Colour = std::optional<glm::dvec3>;
+
+constexpr std::size_t most_channels = 6;
+
+/// napari's, in its order for three channels and more. Green is the display's own, not CSS's darker one.
+const std::pair<const char*, glm::dvec3> usual_colours[] = {{"cyan", {0, 1, 1}},   {"magenta", {1, 0, 1}},
+                                                            {"yellow", {1, 1, 0}}, {"blue", {0, 0, 1}},
+                                                            {"green", {0, 1, 0}},  {"red", {1, 0, 0}}};
+
+Colour colour_named(const std::string& text) {
+  for (const auto& [name, colour] : usual_colours)
+    if (text == name) return colour;
+  if (const auto rgb = text.starts_with('#') ? detail::rgb_in(text.substr(1)) : std::nullopt)
+    return colour_of(*rgb);
+  const auto light = parse_colour(text, "--channel");
+  return light ? Colour(linear_to_srgb(*light)) : Colour();
+}
+
+glm::dvec3 usual_colour(const std::string& channel, std::size_t number, std::size_t channels) {
+  for (const char* const colour : {"red", "green", "blue"})
+    if (channel == std::string(1, *colour)) return *colour_named(colour);
+  if (channels == 1) return glm::dvec3(1);
+  if (channels == 2) return *colour_named(number == 0 ? "magenta" : "green");
+  return usual_colours[number].second;
+}
+
+/// What "all" means: the channels that the file's programs show.
+std::vector<std::string> shown_channels(const VolumeNotes& notes) {
+  std::vector<std::string> shown, all;
+  for (std::size_t c = 0; c < std::size_t(notes.channels); ++c) {
+    all.push_back(std::to_string(c));
+    if (c >= notes.of_channels.size() || !notes.of_channels[c].hidden) shown.push_back(all.back());
+  }
+  return shown.empty() ? all : shown;
+}
+
+/// Where a file has one colour for all of several channels, no program has chosen it.
+void leave_out_same_colours(std::vector<ChannelNotes>& channels) {
+  const bool same = std::all_of(channels.begin(), channels.end(), [&](const ChannelNotes& channel) {
+    return channel.colour == channels.front().colour;
+  });
+  for (ChannelNotes& channel : channels)
+    if ((same && channels.size() > 1) || channel.colour == glm::dvec3(0)) channel.colour.reset();
+}
+
+/// Of one frame after another: each node's slices of one are gone when those of the next are held.
+void add_to(FrameStats& sum, const FrameStats& more) {
+  const auto add = [](std::vector<NodeStats>& nodes, const std::vector<NodeStats>& others) {
+    for (std::size_t k = 0; k < nodes.size(); ++k) {
+      const auto held = std::max(nodes[k].slice_memory, others[k].slice_memory);
+      nodes[k] += others[k];
+      nodes[k].slice_memory = held;
+    }
+  };
+  add(sum.gps, more.gps);
+  add(sum.renderers, more.renderers);
+  for (std::size_t k = 0; k < sum.links.size(); ++k) sum.links[k] += more.links[k];
+  sum.seconds += more.seconds;
+}
+
+}  // namespace
+
+std::vector<DrawnChannel> find_channels(VolumeOptions volume, const std::string& wanted) {
+  std::vector<std::string> words;
+  for (const auto word : split(wanted, ",")) words.push_back(detail::trimmed(std::string(word)));
+  const auto open = [&](const std::string& word) {
+    volume.choice.channel = word.substr(0, word.find('='));
+    return open_volume(volume)->notes();
+  };
+  const VolumeNotes notes = open(words.front());
+  if (wanted == "all" && notes.channels == 1) return {};
+  if (notes.channels == 1)  // of a volume that is no file
+    throw InputError(fmt::format("--channel {}: {} has one value a voxel", wanted, volume.path),
+                     "leave --channel out");
+  if (wanted == "all") words = shown_channels(notes);
+  if (words.size() > most_channels)
+    throw InputError(
+        fmt::format("--channel {}: {} channels are too many for one picture", wanted, words.size()),
+        fmt::format("name at most {}, such as 0,1,2", most_channels));
+  std::vector<ChannelNotes> said;
+  std::vector<DrawnChannel> channels;
+  for (const std::string& word : words) {
+    open(word);  // it says which channels there are where this is none
+    DrawnChannel& channel = channels.emplace_back();
+    channel.choice = volume.choice.channel;
+    const auto index = detail::find_channel(channel.choice, notes.channels, notes.of_channels);
+    const bool known = index && std::size_t(*index) < notes.of_channels.size();
+    said.push_back(known ? notes.of_channels[std::size_t(*index)] : ChannelNotes{});
+    channel.name = said.back().name.empty() ? "channel " + channel.choice : excerpt(said.back().name);
+    channel.window = said.back().window;
+  }
+  leave_out_same_colours(said);
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    const auto equals = words[k].find('=');
+    const Colour given =
+        equals < words[k].size() ? colour_named(words[k].substr(equals + 1)) : said[k].colour;
+    channels[k].colour = given.value_or(usual_colour(channels[k].choice, k, words.size()));
+  }
+  return channels;
+}
+
+MadeFunction make_function(DrawnChannel& channel, const RenderOptions& options, const ValueStatistics& values,
+                           const Grid& grid) {
+  ColourOptions colour = options.colour;
+  colour.tint = channel.colour;
+  // Means and integrals of values are others than the values that the window is for.
+  const bool of_values = colour.mode != Mode::mean && colour.mode != Mode::sum;
+  if (!colour.range && channel.window && of_values) colour.range = {channel.window->x, channel.window->y};
+  MadeFunction made = TransferFunctionChoice(options.transfer_function, colour).make(values, grid);
+  channel.function = made.function;
+  const auto& ends = made.function.colours;
+  const glm::ivec3 rgb(255.0 * channel.colour + 0.5);
+  made.said =
+      fmt::format("{} ({}): #{:02x}{:02x}{:02x}, values from {:.4g} to {:.4g}", channel.name, channel.choice,
+                  rgb.x, rgb.y, rgb.z, plain(ends.front().value), plain(ends.back().value));
+  return made;
+}
+
+void ChannelSum::add(FrameResult&& picture, std::size_t channel, std::size_t view) {
+  const auto [found, is_first] = sums_.try_emplace(view, std::move(picture));
+  if (!is_first) {
+    FrameResult& sum = found->second;
+    for (std::size_t k = 0; k < sum.image.rgba.size(); ++k) sum.image.rgba[k] += picture.image.rgba[k];
+    add_to(sum.stats, picture.stats);
+  }
+  if (channel + 1 < channels_) return;
+  FrameResult sum = std::move(sums_.extract(found).mapped());
+  if (channels_ > 1)
+    for (float& part : sum.image.rgba) part = std::min(part, 1.0F);
+  take_(std::move(sum), view);
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,53 @@
+#pragma once
+#include <functional>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "options/options.hpp"
+#include "options/transfer_function_option.hpp"
+#include "ringsplat/classify/transfer_function.hpp"
+#include "session/director.hpp"
+
+/// Channels of one volume that are drawn one after another, each in its colour, and added.
+namespace ringsplat::app {
+
+struct DrawnChannel {
+  std::string choice;                ///< what --channel calls it by itself
+  std::string name;                  ///< for people
+  glm::dvec3 colour{1};              ///< display (sRGB) values, 0 to 1
+  std::optional<glm::dvec2> window;  ///< the file's own
+  TransferFunction function = {};    ///< on rank 0, once it is chosen
+};
+
+/// The channels that --channel, `wanted`, means in the volume; none where "all" is one. Their colours are
+/// those given with them, else the file's, else the usual ones. Throws InputError for a channel that is not
+/// there and for too many of them.
+std::vector<DrawnChannel> find_channels(VolumeOptions volume, const std::string& wanted);
+
+/// Makes the channel's function of what --tf and others say, in its colour, and over the file's window unless
+/// there is another. As TransferFunctionChoice::make().
+MadeFunction make_function(DrawnChannel& channel, const RenderOptions& options, const ValueStatistics& values,
+                           const Grid& grid);
+
+/// Adds up channels' pictures: light and opacity, both at most 1. So channels do not hide each other.
+class ChannelSum {
+ public:
+  using Take = std::function<void(FrameResult&& sum, std::size_t view)>;
+
+  /// `take` gets a view's sum when its last channel was added.
+  ChannelSum(std::size_t channels, Take take) : channels_(channels), take_(std::move(take)) {}
+
+  /// Each view's pictures come in the channels' order, so that sums have the same bits in every run.
+  void add(FrameResult&& picture, std::size_t channel, std::size_t view);
+
+ private:
+  std::size_t channels_;
+  Take take_;
+  std::map<std::size_t, FrameResult> sums_;  ///< by view
+};
+
+}  // namespace ringsplat::app

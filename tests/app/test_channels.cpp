@@ -1,0 +1,136 @@
+// Several channels of a volume in one picture.
+#include <array>
+#include <nlohmann/json.hpp>
+
+#include "app/program_runner.hpp"
+#include "formats/files.hpp"
+#include "images/image_io.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::app_test;
+using Catch::Matchers::Contains;
+using nlohmann::json;
+
+namespace {
+
+/// Two and seven channels of one lattice.
+struct Stacks {
+  TemporaryFolder folder;
+  Stacks() {
+    for (const int channels : {2, 7}) {
+      std::string voxels;
+      for (int z = 0; z < 10; ++z)
+        for (int y = 0; y < 12; ++y)
+          for (int x = 0; x < 14; ++x)
+            for (int c = 0; c < channels; ++c)
+              voxels += files::bytes_of(
+                  std::uint16_t(100 + (x * (7 + 5 * c) + y * y * (1 + c) + z * 31) % 97 * 40));
+      write_text(file(channels),
+                 "NRRD0004\ntype: uint16\nendian: little\ndimension: 4\nsizes: " + std::to_string(channels) +
+                     " 14 12 10\nkinds: vector domain domain domain\nencoding: raw\n\n" + voxels);
+    }
+  }
+  std::string file(int channels) const { return folder / (std::to_string(channels) + ".nrrd"); }
+  Ended run(const std::string& channels, std::vector<std::string> more = {}, int ranks = 0) const {
+    more.insert(more.begin(),
+                {"render", file(2), "--channel", channels, "-o", folder / "x.exr", "--size", "48x40"});
+    return run_program(more, ranks);
+  }
+  std::string bytes(const std::string& channels, const std::vector<std::string>& more = {},
+                    int ranks = 0) const {
+    const Ended ended = run(channels, more, ranks);
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    return read_text(folder / "x.exr");
+  }
+  Image picture(const std::string& channels, const std::vector<std::string>& more = {}) const {
+    bytes(channels, more);
+    return read_image(folder / "x.exr").image;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("channels are added, each in its colour", "[openimageio]") {
+  const Stacks stacks;
+  const auto mode = GENERATE(as<std::string>{}, "mip", "mean", "sum", "minip");
+  const Image one = stacks.picture("0=white", {"--mode", mode}),
+              other = stacks.picture("1=white", {"--mode", mode}),
+              both = stacks.picture("0,1", {"--mode", mode});
+  REQUIRE(both.rgba.size() == one.rgba.size());
+  for (int y = 0; y < both.height; ++y)
+    for (int x = 0; x < both.width; ++x) {
+      const float *a = one.pixel(x, y), *b = other.pixel(x, y), *sum = both.pixel(x, y);
+      // Magenta and green are the usual colours of two.
+      const std::array<float, 4> wanted{a[0], b[1], a[2], std::min(1.0F, a[3] + b[3])};
+      if (!std::equal(wanted.begin(), wanted.end(), sum)) FAIL("pixel " << x << ", " << y);
+    }
+  CHECK((stacks.bytes("all", {"--mode", mode}) == stacks.bytes("0=magenta,1=#00ff00", {"--mode", mode})));
+}
+
+TEST_CASE("light through several channels is added up to 1", "[openimageio]") {
+  const Stacks stacks;
+  const std::vector<std::string> more{"--mode", "composite", "--opacity", "3"};
+  Image sum = stacks.picture("0=yellow", more);
+  const Image other = stacks.picture("1=red", more);
+  for (std::size_t k = 0; k < sum.rgba.size(); ++k) sum.rgba[k] = std::min(1.0F, sum.rgba[k] + other.rgba[k]);
+  CHECK(stacks.picture("0=yellow,1=red", more) == sum);
+}
+
+TEST_CASE("a picture of channels has the same bits on any ranks", "[mpi][openimageio]") {
+  const Stacks stacks;
+  const std::vector<std::vector<std::string>> pictures{
+      {}, {"--mode", "composite"}, {"--quality", "paper"}, {"--orbit", "3"}};
+  for (const auto& options : pictures) {
+    CAPTURE(options);
+    const auto of = [&](std::vector<std::string> more, int ranks) {
+      more.insert(more.end(), options.begin(), options.end());
+      if (options.empty() || options.front() != "--orbit") return stacks.bytes("1,0", more, ranks);
+      REQUIRE(stacks.run("1,0", more, ranks).code == 0);
+      return read_text(stacks.folder / "x-0000.exr") + read_text(stacks.folder / "x-0002.exr");
+    };
+    const std::string alone = of({}, 0);
+    CHECK((of({"--threads-per-rank", "2"}, 2) == alone));
+    CHECK((of({"--gps", "2", "--renderers", "1"}, 3) == alone));
+    CHECK((of({"--topology", "mesh", "--mesh", "2x1", "--renderers", "1"}, 3) == alone));
+  }
+}
+
+TEST_CASE("a series of channels has the transfer functions of the first volume", "[openimageio]") {
+  const Stacks stacks;
+  fs::copy_file(stacks.file(2), stacks.folder / "s_0.nrrd");
+  fs::copy_file(stacks.file(2), stacks.folder / "s_1.nrrd");
+  const Ended ended =
+      run_program({"render", stacks.folder / "s_*.nrrd", "--frames", "all", "--channel", "0,1", "-o",
+                   stacks.folder / "s.png", "--size", "48x40", "--stats", stacks.folder / "s.json"});
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  stacks.bytes("0,1");
+  for (const char* name : {"s-0000.png", "s-0001.png"}) CHECK(fs::exists(stacks.folder / name));
+  const json stats = json::parse(read_text(stacks.folder / "s.json"));
+  CHECK(stats.size() == 2);
+  CHECK(stats[1].at("volume") == stacks.folder / "s_1.nrrd");
+  const auto settings = json::parse(read_image(stacks.folder / "s-0001.png").settings);
+  CHECK(settings.at("channels").size() == 2);
+  CHECK(settings.at("mode") == "mip");
+}
+
+TEST_CASE("what several channels cannot have is refused in a line", "[openimageio]") {
+  const Stacks stacks;
+  const auto refusal = [](const Ended& ended) {
+    CHECK(ended.code == 2);
+    return ended.err;
+  };
+  for (const std::string option : {"--progressive", "--values", "--labels"})
+    CHECK_THAT(refusal(stacks.run("0,1", {option})), Contains(option + " is for one"));
+  CHECK_THAT(refusal(stacks.run("all", {"--error", "method"})), Contains("--error is for one"));
+  CHECK_THAT(refusal(stacks.run("0,2")), Contains("--channel 2") && Contains("no such channel"));
+  CHECK_THAT(refusal(stacks.run("0,1=mauve")), Contains("'mauve' is no colour"));
+  for (const std::string command : {"info", "serve"})
+    CHECK_THAT(refusal(run_program({command, stacks.file(2), "--channel", "all"})),
+               Contains("shows one channel"));
+  CHECK_THAT(
+      refusal(run_program({"render", stacks.file(7), "--channel", "all", "-o", stacks.folder / "y.png"})),
+      Contains("7 channels are too many"));
+}
