@@ -40,7 +40,13 @@ TEST_CASE("a text grows with its letters, and lies above its baseline", "[openim
   CHECK(*std::max_element(large.coverage.begin(), large.coverage.end()) == Approx(1).margin(0.01));
   CHECK(large.y < -30);
   CHECK(large.y + large.height <= 2);
-  CHECK(text_mask("µ", 48).coverage != text_mask("u", 48).coverage);
+}
+
+TEST_CASE("letters beyond ASCII are not drawn as others", "[openimageio]") {
+  const auto micro = text_mask("\u00b5", 40).coverage;
+  for (const char other : std::string("5<C"))  // that parts of its bytes would be
+    CHECK(micro != text_mask(std::string(1, other), 40).coverage);
+  CHECK(micro.size() > 100);
 }
 
 TEST_CASE("a text without ink has no pixels that could be drawn", "[openimageio]") {

@@ -277,7 +277,7 @@ struct Level {
 };
 
 Level described_array(Node node) {
-  Level level{node, array_of(node)};
+  Level level{node, array_of(node), {}};
   describe_axes(node, level.meaning);
   return level;
 }

@@ -150,6 +150,22 @@ std::string damage_of(const std::string& format, const std::string& name, const 
              : input->geterror();
 }
 
+/// Before 2.4.15 the library draws wrong letters for those beyond ASCII (its issue 3933): micro becomes u,
+/// all others question marks.
+std::string drawable(const std::string& text) {
+  if (OIIO_VERSION >= 20415) return text;
+  std::string ascii;
+  for (std::size_t k = 0; k < text.size(); ++k) {
+    const auto byte = static_cast<unsigned char>(text[k]);
+    const auto letter = std::string_view(text).substr(k, 2);
+    if (byte < 0x80)
+      ascii += text[k];
+    else if (byte >= 0xC0)  // the first of a letter's bytes
+      ascii += letter == "\xC2\xB5" || letter == "\xCE\xBC" ? 'u' : '?';
+  }
+  return ascii;
+}
+
 class OpenImageIo final : public ImageLibrary {
  public:
   OpenedImageFile open(const std::string& path) const override try {
@@ -183,8 +199,9 @@ class OpenImageIo final : public ImageLibrary {
     return error.what();
   }
 
-  std::string draw_text(const std::string& text, int pixels, const std::string& font,
+  std::string draw_text(const std::string& given, int pixels, const std::string& font,
                         Mask& drawn) const override try {
+    const std::string text = drawable(given);
     const OIIO::ROI size = OIIO::ImageBufAlgo::text_size(text, pixels, font);
     if (!size.defined()) return OIIO::has_error() ? OIIO::geterror() : "the font cannot be read";
     // The ends of a text without ink are no numbers to reckon with.
