@@ -17,7 +17,8 @@ find_package(ZLIB REQUIRED)
 find_package(EXPAT REQUIRED)
 find_package(LibLZMA REQUIRED)
 find_package(TBB CONFIG REQUIRED)
-# Of Boost only headers: Beast and Asio, for the viewer's server, Math, and Locale's UTF-8.
+# Of Boost only headers, which installed libraries do not need: Beast and Asio, for the viewer's server, Math, and
+# Locale's UTF-8.
 find_package(Boost 1.74 REQUIRED)
 
 # Debian's OpenImageIO CMake package names an include folder of another package

@@ -91,7 +91,7 @@ TEST_CASE("lines on stdin that give no view are skipped, the others are rendered
     REQUIRE(warnings.size() == 3);
     CHECK_THAT(warnings[0], Catch::Matchers::Contains("line 2: 'left\\x1b[31m\\xff' is not"));
     CHECK_THAT(warnings[1], Catch::Matchers::Contains("line 3: "));
-    CHECK_THAT(warnings[2], Catch::Matchers::Contains("line 4: '" + std::string(40, 'y') + "...'"));
+    CHECK_THAT(warnings[2], Catch::Matchers::Contains("line 4: '" + std::string(60, 'y') + "...'"));
     CHECK(ended.err.find('\x1b') == std::string::npos);
     const auto errors = lines_with(ended.err, "error: --path -");
     REQUIRE(errors.size() == 1);
