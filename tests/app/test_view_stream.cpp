@@ -105,7 +105,7 @@ TEST_CASE("lines that give no view are skipped with a warning, and counted in th
   CHECK_THAT(piped.warnings()[0], Catch::Matchers::StartsWith("skipped views, line 3: 'left\\x1b[2J right'"));
   CHECK_THAT(piped.warnings()[1], Catch::Matchers::Contains("views, line 6: the zoom is 0; hint: use more"));
   CHECK_THAT(piped.warnings()[2],
-             Catch::Matchers::Contains("line 7: '" + std::string(40, 'y') + "...' has more than 4096 bytes"));
+             Catch::Matchers::Contains("line 7: '" + std::string(60, 'y') + "...' has more than 4096 bytes"));
   CHECK_THAT(piped.warnings()[3], Catch::Matchers::Contains("line 8: 'a\\x07' is not azimuth"));
   CHECK_THROWS_WITH(
       piped.stream().check_all_was_read(),

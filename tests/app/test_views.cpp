@@ -59,9 +59,9 @@ TEST_CASE("a wrong path names its line") {
   refused("{\"matrix\": [1, 2]}\n", "matrix");
   refused("{\"azimuth\": 3\n", "p.csv:1");
   refused("0 0\n" + std::string(5000, '1') + "\n",
-          "p.csv:2: '" + std::string(40, '1') + "...' has more than 4096");
+          "p.csv:2: '" + std::string(60, '1') + "...' has more than 4096");
   refused("left \x1b[2J" + std::string(100, 'x'),
-          "'left \\x1b[2J" + std::string(31, 'x') + "...' is not 1 to 4");
+          "'left \\x1b[2J" + std::string(51, 'x') + "...' is not 1 to 4");
   refused("{\"a\\u0007\": 1}\n", "'a\\x07' is not azimuth");
   refused("", "no view");
   refused("azimuth elevation\n", "no view");
