@@ -26,7 +26,7 @@ struct VolumeChoice {
   /// A number from 0, r, g, b or a, or a channel's name; "all": the first, for whoever takes each in turn;
   /// empty: not chosen.
   std::string channel = {};
-  std::string series = {};   ///< of a DICOM folder; empty: not chosen
+  std::string series = {};  ///< of a DICOM folder; empty: not chosen
   /// Bytes that the voxels may take, for which a level of an OME-Zarr pyramid is chosen; without it a third
   /// of this machine's memory.
   std::optional<double> memory = std::nullopt;
