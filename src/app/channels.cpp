@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/hex_colour.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "classify/colour_maps.hpp"
 #include "classify/srgb.hpp"
 #include "formats/channels.hpp"
 #include "options/option_values.hpp"
@@ -28,8 +28,8 @@ const std::pair<const char*, glm::dvec3> usual_colours[] = {{"cyan", {0, 1, 1}},
 Colour colour_named(const std::string& text) {
   for (const auto& [name, colour] : usual_colours)
     if (text == name) return colour;
-  if (const auto rgb = text.starts_with('#') ? detail::rgb_in(text.substr(1)) : std::nullopt)
-    return colour_of(*rgb);
+  if (text.starts_with('#'))
+    if (const Colour colour = hex_colour(text.substr(1))) return colour;
   const auto light = parse_colour(text, "--channel");
   return light ? Colour(linear_to_srgb(*light)) : Colour();
 }

@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <cstdint>
 #include <iterator>
 #include <optional>
 #include <sstream>
@@ -61,14 +60,6 @@ std::optional<T> number_in(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) return {};
   return number;
-}
-
-/// A colour's six hexadecimal digits as 0xrrggbb.
-inline std::optional<std::uint32_t> rgb_in(std::string_view digits) {
-  std::uint32_t rgb = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), rgb, 16);
-  if (digits.size() != 6 || error != std::errc() || end != digits.data() + 6) return {};
-  return rgb;
 }
 
 }  // namespace ringsplat::detail

@@ -1,8 +1,8 @@
 #pragma once
-#include <cstdint>
 #include <string>
 #include <vector>
 
+#include "base/hex_colour.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 
 namespace ringsplat {
@@ -16,10 +16,6 @@ struct ColourMap {
 struct ColourMapName {
   std::string name, description;
 };
-/// The display colour 0xrrggbb.
-inline glm::dvec3 colour_of(std::uint32_t rgb) {
-  return {double(rgb >> 16 & 255) / 255, double(rgb >> 8 & 255) / 255, double(rgb & 255) / 255};
-}
 
 /// Perceptual ones first.
 const std::vector<ColourMapName>& colour_map_names();

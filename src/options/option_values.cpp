@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/hex_colour.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "images/srgb.hpp"
@@ -41,14 +42,6 @@ glm::dvec3 linear(const glm::dvec3& srgb) {
   glm::dvec3 light;
   for (int c = 0; c < 3; ++c) light[c] = linear_of_srgb(static_cast<float>(srgb[c]));
   return light;
-}
-
-glm::dvec3 from_hex(std::uint32_t rgb) {
-  return linear(glm::dvec3(rgb >> 16 & 255U, rgb >> 8 & 255U, rgb & 255U) / 255.0);
-}
-
-std::optional<std::uint32_t> hex(std::string_view text) {
-  return text.starts_with('#') ? detail::rgb_in(text.substr(1)) : std::nullopt;
 }
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
@@ -179,8 +172,9 @@ std::vector<std::string> colour_names() {
 std::optional<glm::dvec3> parse_colour(const std::string& text, const std::string& option) {
   if (text == "none" || text == "transparent") return std::nullopt;
   for (const auto& [name, rgb] : named_colours)
-    if (text == name) return from_hex(rgb);
-  if (const auto rgb = hex(text)) return from_hex(*rgb);
+    if (text == name) return linear(colour_of(rgb));
+  if (const auto colour = text.starts_with('#') ? hex_colour(text.substr(1)) : std::nullopt)
+    return linear(*colour);
   const auto parts = parse_numbers(text);
   if (parts && parts->size() == 3 &&
       std::all_of(parts->begin(), parts->end(), [](double v) { return v >= 0 && v <= 1; }))

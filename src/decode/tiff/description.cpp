@@ -10,6 +10,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/hex_colour.hpp"
 #include "base/text.hpp"
 #include "formats/axes.hpp"
 #include "formats/xml_reader.hpp"
@@ -158,8 +159,7 @@ void read_channels(const std::vector<Element>& tags, Microscopy& said, std::int6
     ChannelNotes& notes = said.of_channels.emplace_back();
     notes.name = trimmed(text_in(a, "Name"));
     // Red, green, blue and alpha of 8 bits, from the top down, in a signed number.
-    if (const auto rgba = count_in(a, "Color"))
-      notes.colour = glm::dvec3(*rgba >> 24 & 255, *rgba >> 16 & 255, *rgba >> 8 & 255) / 255.0;
+    if (const auto rgba = count_in(a, "Color")) notes.colour = colour_of(std::uint32_t(*rgba >> 8));
   }
   // The colours of a page count as channels there.
   if (samples < 1 || said.channels % samples != 0) samples = 1;

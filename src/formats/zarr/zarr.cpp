@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "base/hex_colour.hpp"
 #include "base/input_file.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
@@ -187,8 +188,7 @@ class ZarrSource final : public LayeredSource {
 /// What "omero" says of a channel. A window that spans all that the values may be was nobody's choice.
 ChannelNotes channel_in(const Json& json) {
   ChannelNotes notes{.name = text_in(json, "label")};
-  if (const auto rgb = rgb_in(text_in(json, "color")))
-    notes.colour = glm::dvec3(*rgb >> 16 & 255U, *rgb >> 8 & 255U, *rgb & 255U) / 255.0;
+  notes.colour = hex_colour(text_in(json, "color"));
   notes.hidden = json.contains("active") && json["active"] == false;
   const Json window = json.value("window", Json::object());
   const auto number = [&](const char* key) {
@@ -246,11 +246,14 @@ std::filesystem::path folder_of(const Node& image, const std::string& level) {
 /// The only image or array in a group.
 Node only_one(const Node& group) {
   std::vector<std::string> found;
+  std::optional<Node> last;
   for (const auto& entry : std::filesystem::directory_iterator(group.folder)) {
-    const auto node = entry.is_directory() ? node_at(entry.path()) : std::nullopt;
-    if (node && (node->is_array || node->is_image())) found.push_back(entry.path().filename().string());
+    auto node = entry.is_directory() ? node_at(entry.path()) : std::nullopt;
+    if (!node || (!node->is_array && !node->is_image())) continue;
+    found.push_back(entry.path().filename().string());
+    last = std::move(node);
   }
-  if (found.size() == 1) return *node_at(group.folder / found.front());
+  if (found.size() == 1) return *last;
   std::ranges::sort(found);
   refuse(group.folder, "name the folder of an array or an image", "the group holds {}",
          found.empty() ? "none" : "several: " + comma_list(found));
@@ -287,10 +290,10 @@ Level described_array(Node node) {
 std::optional<Level> find_level(const Node& group, const Json& image, const std::filesystem::path& wanted,
                                 double most) {
   const auto levels = list_in(image, "datasets");
+  const bool any = wanted == group.folder;
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const auto name = levels[k].at("path").get<std::string>();
     const auto folder = folder_of(group, name);
-    const bool any = wanted == group.folder;
     if (!any && wanted != folder) continue;
     const auto node = node_at(folder);
     if (!node || !node->is_array) group.fail("its level '{}' leads to no array", excerpt(name));
