@@ -186,6 +186,9 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   prepare_simulation(o.run, launch);
   const auto [places, layout] = settle_ranks(o.run, launch);
   job.layout = layout;
+  // Planes are kept for later views of the same volume; of one view that would only take memory and time.
+  const bool one_view = o.frames || (o.orbit <= 1 && o.path.empty());
+  if (one_view && !o.run.engine.keep) o.run.engine.keep = 0;
   launch.check_on_rank_0([&] {
     job.transfer_function.emplace(o.transfer_function, o.colour);
     check_outputs(o);

@@ -111,7 +111,7 @@ void add_protocol_options(OptionList& list, RunOptions& o) {
        value(o.protocol.send_ahead)},
       {"--keep", "MIB", nullptr,
        "Sheets: MiB of slices that a Renderer keeps, so that later frames need not send them again; without "
-       "it its share of 2048, or of a quarter of all slices where that is more, at least 256",
+       "it its share of 2048, or of a quarter of all slices where that is more, at least 256; of one view none",
        value(o.engine.keep, {.least = 0})},
       {"--stall-timeout", "SECONDS", initial,
        "Seconds without any progress until it is said which rank is waited for",
