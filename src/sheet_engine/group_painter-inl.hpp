@@ -48,6 +48,7 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
 
   void paint(const SheetSlab& slab, TileMask mask) {
     this->begin(slab, mask);
+    if (!p_.floats && !p_.nearest) leave_out_transparent();
     if (count_ == 0) return;
     switch (slab.face || p_.nearest ? 0 : slab.pieces) {
       case 1:
@@ -81,6 +82,30 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
     divide(kind);
     for (int k = 0; k < whole_count_; ++k) paint_whole(kind, whole_[k]);
     for (int k = 0; k < split_count_; ++k) paint_pieces(kind, split_[k]);
+  }
+
+  /// Leaves out tiles of which all voxels that are interpolated are transparent alike: blocks are much larger
+  /// than a tile's cells.
+  void leave_out_transparent() {
+    int kept = 0;
+    for (int k = 0; k < count_; ++k) {
+      const int t = list_[k];
+      list_[kept] = t;
+      typename Base::ColumnRanges ranges;
+      const bool known = this->find_ranges(rays_.ends(state_[t].ray), ranges);
+      kept += !known || numbers_may_show(ranges) ? 1 : 0;
+    }
+    count_ = kept;
+  }
+
+  HWY_INLINE bool numbers_may_show(const typename Base::ColumnRanges& ranges) const {
+    const PlaceMap& map = p_.places;
+    bool shows = ranges.some_above(map.transparent.low) && ranges.some_below(map.transparent.high);
+    for (int k = 0; k < map.gap_count; ++k) {
+      const auto& gap = map.number_gaps[std::size_t(k)];
+      shows = shows && (ranges.some_below(gap.low) || ranges.some_above(gap.high));
+    }
+    return shows;
   }
 
   /// Where the lanes lie in sheet i of the slab.

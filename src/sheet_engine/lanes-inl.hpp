@@ -180,6 +180,15 @@ HWY_INLINE Halves gather_halves(const void* base, I at) {
           second = hn::BitCast(Di(), load_each<step>(d, from, places + lanes / 2));
   return {hn::ConcatEven(Di(), second, first), hn::ConcatOdd(Di(), second, first)};
 }
+HWY_INLINE Halves add_halves(const Halves& a, const Halves& b) {
+  return {add_halves(a.low, b.low), add_halves(a.high, b.high)};
+}
+HWY_INLINE Halves sub_halves(const Halves& a, const Halves& b) {
+  return {sub_halves(a.low, b.low), sub_halves(a.high, b.high)};
+}
+HWY_INLINE Halves mul_halves(const Halves& a, I by) {
+  return {mul_halves(a.low, by), mul_halves(a.high, by)};
+}
 /// Four bytes from each lane's place, in bytes.
 HWY_INLINE I gather_int(const void* base, I at) { return gather_halves<1>(base, at).low; }
 

@@ -74,6 +74,13 @@ struct PlaceMap {
   };
   std::array<Gap, 4> gaps{};  ///< transparent places between
   int gap_count = 0;
+  /// Planes' whole numbers that interpolation makes nothing visible of: all up to `low`, all from `high` on,
+  /// or all within one of the gaps.
+  struct Numbers {
+    std::int16_t low, high;
+  };
+  Numbers transparent{INT16_MIN, INT16_MAX};
+  std::array<Numbers, 4> number_gaps{};
 };
 
 /// The place of a plane's number, by the very operations that lanes do.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ranges>
 
 namespace ringsplat {
 namespace {
@@ -33,6 +34,28 @@ void set_transparent(PlaceMap& map, const TransparentValues& transparent, const 
   }
 }
 
+/// Of what is transparent by place, the planes' whole numbers, less one at each end: sums of them are divided
+/// with rounding.
+void set_transparent_numbers(PlaceMap& map) {
+  const auto first_number = [&](auto&& beyond) {
+    const auto numbers = std::views::iota(int{INT16_MIN}, int{INT16_MAX} + 1);
+    return int(std::ranges::partition_point(numbers,
+                                            [&](int n) { return !beyond(place_of_number(map, float(n))); }) -
+               numbers.begin()) +
+           INT16_MIN;
+  };
+  const auto within = [](int number) { return std::int16_t(std::clamp<int>(number, INT16_MIN, INT16_MAX)); };
+  const auto first_from = [&](float place) {
+    return within(first_number([place](float p) { return p >= place; }) + 1);
+  };
+  const auto last_to = [&](float place) {
+    return within(first_number([place](float p) { return p > place; }) - 2);
+  };
+  map.transparent = {last_to(map.visible_low), first_from(map.visible_high)};
+  for (std::size_t k = 0; k < std::size_t(map.gap_count); ++k)
+    map.number_gaps[k] = {first_from(map.gaps[k].low), last_to(map.gaps[k].high)};
+}
+
 }  // namespace
 
 PlaceMap place_map(const SheetFrame& frame, const ValueScale& scale, const TableAxis& axis) {
@@ -48,6 +71,7 @@ PlaceMap place_map(const SheetFrame& frame, const ValueScale& scale, const Table
   map.scale = float(a_number);
   map.offset = float(-scale.code.of(axis.ramps[0].from) * a_number);
   set_transparent(map, frame.transparent, scale);
+  if (!scale.code.floats) set_transparent_numbers(map);
   return map;
 }
 

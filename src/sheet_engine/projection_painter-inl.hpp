@@ -116,6 +116,7 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
   struct Part {
     RayCubic values;
     F from, to;  ///< of w
+    F most;      ///< how far the extremum of the cell's corners is
     M there;     ///< lanes that have such a part
     HWY_INLINE F length() const { return sub(to, from); }
   };
@@ -128,11 +129,11 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     }
     const Ends ends = rays_.ends(s.ray);
     const Corner corner = this->corner_below(ends);
-    const auto front = plane_of(slab_->front, corner), back = plane_of(slab_->back, corner);
-    if (cannot_change(s, alive, Sampler::range(front, back))) return;
+    if (cannot_change(s, alive, ends)) return;
     const Position from = rays_.at(s.ray, 0), to = rays_.at(s.ray, slab_->pieces);
     Way way{set(0.0F), set(1.0F)};
     if (Rays::some_miss(s.ray) || this->leaves(ends, one_voxel / 2 - 1)) way = this->way_in_box(s, 0);
+    const auto front = plane_of(slab_->front, corner), back = plane_of(slab_->back, corner);
     Walk walk{
         corner,    front, back, Along(from.u, to.u, way.enter), Along(from.v, to.v, way.enter), way.enter,
         way.enter, {},    {}};
@@ -150,11 +151,13 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     }
   }
 
-  /// Whether numbers in a range are nothing to any lane.
-  bool cannot_change(const State& s, M alive, const NumberRange& range) const {
-    if (q_.mode == Mode::surface) return range.high < q_.isovalue || range.low >= q_.isovalue;
-    if (!is_extremum()) return range.low == q_.zero && range.high == q_.zero;
-    const float most = (q_.sign > 0 ? range.high : range.low) - q_.least;
+  /// Whether the voxels of the cells between ends are nothing to any lane.
+  HWY_INLINE bool cannot_change(const State& s, M alive, const Ends& ends) const {
+    typename Base::ColumnRanges ranges;
+    if (!this->find_ranges(ends, ranges)) return false;
+    if (q_.mode == Mode::surface) return ranges.greatest() < q_.isovalue || ranges.least() >= q_.isovalue;
+    if (!is_extremum()) return ranges.least() == q_.zero && ranges.greatest() == q_.zero;
+    const float most = (q_.sign > 0 ? ranges.greatest() : ranges.least()) - q_.least;
     return least(choose(alive, s.red, set(INFINITY))) >= most * q_.sign;
   }
 
@@ -171,9 +174,10 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     const auto sheet = Sampler::sheet(up<position_bits>(u), up<position_bits>(v), p_.pitch, walk.corner);
     const auto front = Sampler::cell(walk.front, sheet, p_.pitch),
                back = Sampler::cell(walk.back, sheet, p_.pitch);
+    F most = set(0.0F);
     if (is_extremum()) {
-      const F most = q_.sign > 0 ? greatest_of(front, back) : least_of(front, back);
-      if (!any(both(there, greater(beyond(most), s.red)))) return;
+      most = beyond(q_.sign > 0 ? greatest_of(front, back) : least_of(front, back));
+      if (!any(both(there, greater(most, s.red)))) return;
     }
     CellPath path{walk.u.place(walk.w, u), walk.v.place(walk.w, v), {}, {}};
     path.du = sub(walk.u.place(end, u), path.u);
@@ -184,7 +188,7 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     const F d0 = sub(b.f0, a.f0), d1 = sub(b.f1, a.f1), d2 = sub(b.f2, a.f2);
     const RayCubic values{fma(walk.w, d0, a.f0), fma(walk.w, d1, fma(length, d0, a.f1)),
                           fma(walk.w, d2, fma(length, d1, a.f2)), mul(length, d2)};
-    take(s, walk, {values, walk.w, end, there});
+    take(s, walk, {values, walk.w, end, most, there});
   }
 
   /// How far a number is an extremum.
@@ -213,6 +217,8 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
       values.turns(first, second);
       found = max(found, max(beyond(values.at(first)), beyond(values.at(second))));
     }
+    // Rounding must not lift it above the voxels, by which tiles are left out. What is not a number stays so.
+    found = min(part.most, found);
     s.red = choose(both(part.there, greater(found, s.red)), found, s.red);
     s.opacity = choose(greater(set(q_.most), s.red), s.opacity, set(1.0F));
   }

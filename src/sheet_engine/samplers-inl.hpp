@@ -15,7 +15,6 @@
 ///   value()    in a plane's numbers,
 ///   voxel()    the number of the voxel below each lane,
 ///   cell()     those of the whole cell, as something with corners(), greatest_of() and least_of() two,
-///   range()    what the numbers near a tile's lanes lie between in two planes,
 ///   gradient() up to a factor that is the same for all sheets,
 /// and the same between two slices.
 HWY_BEFORE_NAMESPACE();
@@ -34,11 +33,6 @@ struct CellCorners {
 
   HWY_INLINE const CellCorners& corners() const { return *this; }
 };
-
-struct NumberRange {
-  float low, high;
-};
-inline constexpr NumberRange unknown_range{-INFINITY, INFINITY};
 
 /// Voxel below a tile's lanes, all at once: those of patch-based samplers count from it.
 struct Corner {
@@ -146,11 +140,6 @@ struct PatchSampler : BetweenSlices<PatchSampler> {
   static HWY_INLINE PairCell cell(const Plane& p, const Sheet& s, std::ptrdiff_t) {
     return {Pairs(p, s, 0, 0), Pairs(p, s, 1, 0)};
   }
-  static HWY_INLINE NumberRange range(const Plane& a, const Plane& b) {
-    const Words low = hn::Min(hn::Min(a.upper, a.lower), hn::Min(b.upper, b.lower)),
-                high = hn::Max(hn::Max(a.upper, a.lower), hn::Max(b.upper, b.lower));
-    return {float(hn::GetLane(hn::MinOfLanes(Dw(), low))), float(hn::GetLane(hn::MaxOfLanes(Dw(), high)))};
-  }
   template <class Along>
   static HWY_INLINE Gradient gradient(const Plane& p, const Along& along, const Sheet& s, std::ptrdiff_t) {
     const I u = add(sum_of_products(sub_halves(Pairs(p, s, 0, 1), Pairs(p, s, 0, -1)), s.weights.upper),
@@ -222,29 +211,58 @@ struct PairSampler : BetweenSlices<PairSampler> {
   static HWY_INLINE PairCell cell(const Plane& p, const Sheet& s, std::ptrdiff_t pitch) {
     return {Pairs(p, s, 0), Pairs(p, s, pitch)};
   }
-  static NumberRange range(const Plane&, const Plane&) { return unknown_range; }
   template <class P, class Along>
   static HWY_INLINE Gradient gradient(const P& p, const Along& along, const Sheet& s, std::ptrdiff_t pitch) {
-    const auto across = [&](std::ptrdiff_t plus, std::ptrdiff_t minus, I weights) HWY_ATTR {
-      return sum_of_products(sub_halves(Pairs(p, s, plus), Pairs(p, s, minus)), weights);
-    };
-    const I u = add(across(1, -1, s.weights.upper), across(pitch + 1, pitch - 1, s.weights.lower));
-    const I v = add(across(pitch, -pitch, s.weights.upper), across(2 * pitch, 0, s.weights.lower));
+    const auto [left, right] = FourInRow(p, s, 0);
+    const auto [left_below, right_below] = FourInRow(p, s, pitch);
+    const I u = add(sum_of_products(sub_halves(right, left), s.weights.upper),
+                    sum_of_products(sub_halves(right_below, left_below), s.weights.lower));
+    const auto middle = [](I before, I after) HWY_ATTR { return either(down<16>(before), up<16>(after)); };
+    const I at = middle(left, right), below = middle(left_below, right_below);
+    const I v = add(sum_of_products(sub_halves(below, Pairs(p, s, -pitch)), s.weights.upper),
+                    sum_of_products(sub_halves(Pairs(p, s, 2 * pitch), at), s.weights.lower));
     return {to_float(u), to_float(v), to_float(Sum(along, s, pitch))};
   }
 
  private:
-  static HWY_INLINE I Pairs(const Plane& p, const Sheet& s, std::ptrdiff_t numbers) {
-    return gather_int(p.origin + numbers, s.at);
+  /// What `fetch` reads from a plane's numbers, of sums and multiples of planes.
+  template <class Fetch>
+  static HWY_INLINE auto Of(const Plane& p, const Fetch& fetch) {
+    return fetch(p.origin);
   }
-  template <class A, class B, bool difference>
-  static HWY_INLINE I Pairs(const Two<A, B, difference>& p, const Sheet& s, std::ptrdiff_t numbers) {
-    const I a = Pairs(p.a, s, numbers), b = Pairs(p.b, s, numbers);
-    return difference ? sub_halves(a, b) : add_halves(a, b);
+  template <class A, class B, bool difference, class Fetch>
+  static HWY_INLINE auto Of(const Two<A, B, difference>& p, const Fetch& fetch) {
+    const auto a = Of(p.a, fetch), b = Of(p.b, fetch);
+    if constexpr (difference)
+      return sub_halves(a, b);
+    else
+      return add_halves(a, b);
   }
+  template <class P, class Fetch>
+  static HWY_INLINE auto Of(const Times<P>& p, const Fetch& fetch) {
+    return mul_halves(Of(p.plane, fetch), set_int(p.by << 16 | p.by));
+  }
+  struct FetchPairs {
+    I at;
+    std::ptrdiff_t numbers;
+    HWY_INLINE I operator()(const Number* origin) const { return gather_int(origin + numbers, at); }
+  };
+  struct FetchFour {
+    I at;
+    std::ptrdiff_t numbers;
+    HWY_INLINE Halves operator()(const Number* origin) const {
+      return gather_halves<1>(origin + numbers - 1, at);
+    }
+  };
+  /// The voxel of each lane and its right neighbour.
   template <class P>
-  static HWY_INLINE I Pairs(const Times<P>& p, const Sheet& s, std::ptrdiff_t numbers) {
-    return mul_halves(Pairs(p.plane, s, numbers), set_int(p.by << 16 | p.by));
+  static HWY_INLINE I Pairs(const P& p, const Sheet& s, std::ptrdiff_t numbers) {
+    return Of(p, FetchPairs{s.at, numbers});
+  }
+  /// The same and their neighbours, at once: the pairs that begin before the voxel and behind it.
+  template <class P>
+  static HWY_INLINE Halves FourInRow(const P& p, const Sheet& s, std::ptrdiff_t numbers) {
+    return Of(p, FetchFour{s.at, numbers});
   }
   template <class P>
   static HWY_INLINE I Sum(const P& p, const Sheet& s, std::ptrdiff_t pitch) {
@@ -297,7 +315,6 @@ struct FloatSampler {
     return {gather(p.origin, s.at), gather(p.origin + 1, s.at), gather(p.origin + pitch, s.at),
             gather(p.origin + pitch + 1, s.at)};
   }
-  static NumberRange range(const Plane&, const Plane&) { return unknown_range; }
   static HWY_INLINE Gradient gradient(const Plane& p, const Along& along, const Sheet& s,
                                       std::ptrdiff_t pitch) {
     const auto difference = [&](std::ptrdiff_t plus, std::ptrdiff_t minus)

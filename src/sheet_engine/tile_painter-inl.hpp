@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <type_traits>
 
 #include "sheet_engine/lanes-inl.hpp"
 #include "sheet_engine/paint_group.hpp"
@@ -81,6 +82,47 @@ class TilePainter {
             (std::clamp(ends.low_v, 0, most_v()) >> position_bits) - 1};
   }
 
+  /// The least and the greatest numbers of a few columns of voxels.
+  struct ColumnRanges {
+    static constexpr int at_once = 8;
+    using D = hn::CappedTag<std::int16_t, at_once>;
+    hn::Vec<D> low, high;
+
+    HWY_INLINE bool some_below(std::int16_t number) const {
+      return !hn::AllFalse(D(), hn::Lt(low, hn::Set(D(), number)));
+    }
+    HWY_INLINE bool some_above(std::int16_t number) const {
+      return !hn::AllFalse(D(), hn::Gt(high, hn::Set(D(), number)));
+    }
+    HWY_INLINE float least() const { return float(hn::GetLane(hn::MinOfLanes(D(), low))); }
+    HWY_INLINE float greatest() const { return float(hn::GetLane(hn::MaxOfLanes(D(), high))); }
+  };
+
+  /// Of all voxels that lanes between these ends interpolate, in the slices before and behind the slab.
+  /// Returns false where that says nothing or takes long: of floats, and of many columns or rows.
+  HWY_INLINE bool find_ranges(const Ends& ends, ColumnRanges& ranges) const {
+    if constexpr (std::is_same_v<typename Sampler::Number, std::int16_t>) {
+      const auto [u, columns] = voxels_between(ends.low_u, ends.high_u, p_.rays.voxels[0]);
+      const auto [v, rows] = voxels_between(ends.low_v, ends.high_v, p_.rays.voxels[1]);
+      if (columns > ColumnRanges::at_once || rows > ColumnRanges::at_once) return false;
+      const typename ColumnRanges::D d;
+      auto front = static_cast<const std::int16_t*>(slab_->front) + v * p_.pitch + u,
+           back = static_cast<const std::int16_t*>(slab_->back) + v * p_.pitch + u;
+      auto low = hn::LoadU(d, front), high = low;
+      for (int row = 0; row < rows; ++row, front += p_.pitch, back += p_.pitch) {
+        const auto a = hn::LoadU(d, front), b = hn::LoadU(d, back);
+        low = hn::Min(low, hn::Min(a, b));
+        high = hn::Max(high, hn::Max(a, b));
+      }
+      // What lies behind the last column counts as the first.
+      const auto wanted = hn::FirstN(d, std::size_t(columns));
+      ranges = {hn::IfThenElse(wanted, low, hn::Broadcast<0>(low)),
+                hn::IfThenElse(wanted, high, hn::Broadcast<0>(high))};
+      return true;
+    }
+    return false;
+  }
+
   /// Where lanes at (u, v) lie. Beyond the outer voxels the field has their values.
   HWY_INLINE typename Sampler::Sheet sheet_in_box(I u, I v, Corner corner) const {
     return Sampler::sheet(min(max(u, set_int(0)), set_int(most_u())),
@@ -126,6 +168,14 @@ class TilePainter {
   int count_ = 0;
 
  private:
+  struct Voxels {
+    int first, count;
+  };
+  /// Those at the corners of the cells between two positions.
+  static HWY_INLINE Voxels voxels_between(std::int32_t low, std::int32_t high, int voxels) {
+    const int last = voxels - 1, first = std::clamp(low >> position_bits, 0, std::max(last - 1, 0));
+    return {first, std::clamp((high >> position_bits) + 1, first, last) - first + 1};
+  }
   static int mask_bit(int t) {
     return (t / across) * tile_height / tile_side * (group_side / tile_side) +
            (t % across) * tile_width / tile_side;

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "sheet_engine/fill_slab_table.hpp"
+#include "sheet_engine/place_map.hpp"
 #include "sheet_engine/slab_table.hpp"
 #include "sheet_engine/transparent_values.hpp"
 #include "support/catch.hpp"
@@ -142,4 +143,35 @@ TEST_CASE("only the widest gaps are kept") {
   const TransparentValues values(tf);
   CHECK(values.intervals().size() <= TransparentValues::most);
   CHECK(values.holding(3, 8.9) != TransparentValues::nowhere);
+}
+
+TEST_CASE("of whole numbers that count as transparent interpolation makes nothing visible") {
+  SheetFrame frame;
+  frame.shown.transfer_function = steep();
+  frame.transparent = TransparentValues(steep());
+  frame.geometry.grid.type = ScalarType::uint8;
+  SlabTable table;
+  table.set_function(steep(), 0, 100);
+  const ValueScale scale = value_scale(frame, 0, 100);
+  const PlaceMap map = place_map(frame, scale, table.axis());
+  REQUIRE(map.gap_count == 1);
+  const auto [gap_low, gap_high] = map.number_gaps[0];
+  const auto visible = [&](float number) {
+    const float place = place_of_number(map, number);
+    return place > map.visible_low && place < map.visible_high &&
+           !(place >= map.gaps[0].low && place <= map.gaps[0].high);
+  };
+  const auto number = [&](double value) { return int(std::lround(scale.code.of(value))); };
+  // All but the ends, whose interpolation is rounded.
+  CHECK(map.transparent.low == number(20) - 1);
+  CHECK(map.transparent.high == INT16_MAX);
+  CHECK(gap_low == number(60) + 1);
+  CHECK(gap_high == number(80) - 1);
+  for (int of_thirds = 3 * number(0); of_thirds <= 3 * number(100); ++of_thirds) {
+    const float between = float(of_thirds) * (1.0F / 3);
+    if (between <= float(map.transparent.low) || (between >= float(gap_low) && between <= float(gap_high)))
+      CHECK(!visible(between));
+  }
+  CHECK(visible(float(number(20) + 1)));
+  CHECK(visible(float(number(60) - 1)));
 }
