@@ -114,10 +114,6 @@ struct PatchSampler : BetweenSlices<PatchSampler> {
     HWY_INLINE Plane operator-(const Plane& o) const {
       return {hn::Sub(upper, o.upper), hn::Sub(lower, o.lower)};
     }
-    friend HWY_INLINE Plane times(const Plane& p, int n) {
-      const Words by = hn::Set(Dw(), static_cast<Number>(n));
-      return {hn::Mul(p.upper, by), hn::Mul(p.lower, by)};
-    }
   };
   struct Sheet {
     Words at;  ///< pairs of places in the patch
@@ -168,6 +164,11 @@ struct PatchSampler : BetweenSlices<PatchSampler> {
                sum_of_products(Pairs(p, s, 1, 0), s.weights.lower));
   }
 };
+/// No friend in the class: GCC compiles such without Highway's target, and calls others wrongly from it.
+HWY_INLINE PatchSampler::Plane times(const PatchSampler::Plane& p, int n) {
+  const auto by = hn::Set(Dw(), static_cast<PatchSampler::Number>(n));
+  return {hn::Mul(p.upper, by), hn::Mul(p.lower, by)};
+}
 
 #endif
 
