@@ -1,99 +1,54 @@
-#include "base/vector_config.hpp"
-#include "splat/voxel_run.hpp"
-
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "splat/pack_voxels.cpp"
-#include <hwy/foreach_target.h>
-#include <hwy/highway.h>
-
+#include <algorithm>
+#include <array>
 #include <bit>
 
-HWY_BEFORE_NAMESPACE();
-namespace ringsplat::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
+#include "splat/voxel_run.hpp"
 
-using FourFloats = hn::Full128<float>;
-using FourInts = hn::Full128<std::int32_t>;
-/// A voxel's opacity, then its colour in 3 × 16 bits.
-void PackFloats(const float* rgba, std::size_t count, FloatVoxel* voxels) {
-  const FourFloats d;
-  const FourInts i;
-  const hn::Full128<std::uint8_t> bytes;
-  constexpr std::uint8_t low = std::endian::native == std::endian::little ? 0 : 2, none = 0x80;
-  HWY_ALIGN constexpr std::uint8_t order[16] = {12,      13,      14,   15,   low,  1 + low, 4 + low, 5 + low,
-                                                8 + low, 9 + low, none, none, none, none,    none,    none};
-  HWY_ALIGN std::uint8_t packed[16];
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto voxel = hn::LoadU(d, rgba + 4 * k);
-    const auto inside = hn::Min(hn::Max(hn::Zero(d), voxel), hn::Set(d, 1.0F));
-    const auto quantised = hn::ConvertTo(i, hn::Add(hn::Mul(inside, hn::Set(d, 65535.0F)), hn::Set(d, 0.5F)));
-    const auto words = hn::IfThenElse(hn::FirstN(i, 3), quantised, hn::BitCast(i, voxel));
-    hn::Store(hn::TableLookupBytes(hn::BitCast(bytes, words), hn::Load(bytes, order)), bytes, packed);
-    std::memcpy(voxels + k, packed, sizeof(FloatVoxel));
-  }
-}
-
-#if HWY_TARGET == HWY_EMU128
-
-/// Rounds 0 and numbers from 2⁻¹²⁶ to 65504 to nearest even (Giesen 2012, "Float->half variants"). Highway's
-/// own emulation cuts off.
-HWY_INLINE std::uint16_t to_half(float value) {
-  // The sum has the half's last place, so that adding rounds.
-  if (value < 0x1p-14F)
-    return static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(value + 0.5F) -
-                                      std::bit_cast<std::uint32_t>(0.5F));
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  const std::uint32_t odd = bits >> 13 & 1;
-  return static_cast<std::uint16_t>((bits - (std::uint32_t{127 - 15} << 23) + 0xfff + odd) >> 13);
-}
-
-void PackHalves(const float* rgba, std::size_t count, HalfVoxel* voxels) {
-  for (std::size_t i = 0; i < 4 * count; ++i) voxels[i / 4].rgba[i % 4] = to_half(rgba[i]);
-}
-
-#else
-
-void PackHalves(const float* rgba, std::size_t count, HalfVoxel* voxels) {
-  const FourFloats d;
-  const hn::Rebind<hwy::float16_t, FourFloats> halves;
-  const hn::Rebind<std::uint16_t, FourFloats> words;
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto narrow = hn::DemoteTo(halves, hn::LoadU(d, rgba + 4 * k));
-    hn::StoreU(hn::BitCast(words, narrow), words, voxels[k].rgba);
-  }
-}
-
-#endif
-
-void PackBytes(const float* rgba, std::size_t count, ByteVoxel* voxels) {
-  const FourFloats d;
-  const FourInts i;
-  const hn::Rebind<std::uint8_t, FourFloats> bytes;
-  for (std::size_t k = 0; k < count; ++k) {
-    const auto scaled = hn::Add(hn::Mul(hn::LoadU(d, rgba + 4 * k), hn::Set(d, 255.0F)), hn::Set(d, 0.5F));
-    hn::StoreU(hn::DemoteTo(bytes, hn::ConvertTo(i, scaled)), bytes, voxels[k].rgba);
-  }
-}
-
-}  // namespace ringsplat::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
 namespace ringsplat {
+namespace {
 
-HWY_EXPORT(PackFloats);
-HWY_EXPORT(PackHalves);
-HWY_EXPORT(PackBytes);
+/// Rounds 0 and numbers from 2⁻¹²⁶ to 65504 to nearest even (Giesen 2012, "Float->half variants").
+std::uint16_t to_half(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  // The sum has the half's last place, so that adding rounds.
+  const std::uint32_t subnormal =
+      std::bit_cast<std::uint32_t>(value + 0.5F) - std::bit_cast<std::uint32_t>(0.5F);
+  const std::uint32_t normal = (bits - (std::uint32_t{127 - 15} << 23) + 0xfff + (bits >> 13 & 1)) >> 13;
+  const std::uint32_t is_subnormal = bits < std::bit_cast<std::uint32_t>(0x1p-14F) ? ~0U : 0U;
+  return static_cast<std::uint16_t>((subnormal & is_subnormal) | (normal & ~is_subnormal));
+}
+
+}  // namespace
 
 void pack(const float* rgba, std::size_t count, FloatVoxel* voxels) {
-  HWY_DYNAMIC_DISPATCH(PackFloats)(rgba, count, voxels);
+  // Words are computed together, which compilers vectorise.
+  constexpr std::size_t together = 64;
+  std::array<std::int32_t, 4 * together> words;
+  for (; count > 0;) {
+    const std::size_t some = std::min(count, together);
+    for (std::size_t i = 0; i < 4 * some; ++i)
+      words[i] =
+          static_cast<std::int32_t>(rgba[i] * 65535.0F + 0.5F);  // NOLINT(bugprone-incorrect-roundings)
+    for (std::size_t k = 0; k < some; ++k) {
+      std::memcpy(voxels[k].opacity, rgba + 4 * k + 3, sizeof voxels[k].opacity);
+      for (std::size_t c = 0; c < 3; ++c) voxels[k].rgb[c] = static_cast<std::uint16_t>(words[4 * k + c]);
+    }
+    rgba += 4 * some;
+    voxels += some;
+    count -= some;
+  }
 }
+
 void pack(const float* rgba, std::size_t count, HalfVoxel* voxels) {
-  HWY_DYNAMIC_DISPATCH(PackHalves)(rgba, count, voxels);
+  for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t c = 0; c < 4; ++c) voxels[k].rgba[c] = to_half(rgba[4 * k + c]);
 }
+
 void pack(const float* rgba, std::size_t count, ByteVoxel* voxels) {
-  HWY_DYNAMIC_DISPATCH(PackBytes)(rgba, count, voxels);
+  for (std::size_t k = 0; k < count; ++k)
+    for (std::size_t c = 0; c < 4; ++c)
+      voxels[k].rgba[c] = static_cast<std::uint8_t>(  // NOLINTNEXTLINE(bugprone-incorrect-roundings)
+          static_cast<std::int32_t>(rgba[4 * k + c] * 255.0F + 0.5F));
 }
 
 }  // namespace ringsplat
-#endif

@@ -44,9 +44,8 @@ struct VoxelBlocks {
   const Voxel* voxels;
 };
 
-/// Packs `count` voxels, given as (red, green, blue, opacity), straight and within [0, 1]. The bits are the
-/// same at every vector width: FloatVoxel's colours are rounded by quantise_colour, halves to nearest even,
-/// bytes to nearest.
+/// Packs `count` voxels, given as (red, green, blue, opacity), straight and within [0, 1]. FloatVoxel's
+/// colours are rounded as by quantise_colour, halves to nearest even, bytes to nearest.
 void pack(const float* rgba, std::size_t count, FloatVoxel* voxels);
 void pack(const float* rgba, std::size_t count, HalfVoxel* voxels);
 void pack(const float* rgba, std::size_t count, ByteVoxel* voxels);

@@ -65,7 +65,6 @@ void RowBand::begin(const SliceView& slice, VisibleVoxels& voxels, int first, in
   voxels_ = &voxels;
   row_ = first;
   end_ = end;
-  all_in_view_ = is_all_in_view();
   visible_ = outside_ = 0;
 }
 
@@ -95,7 +94,7 @@ void RowBand::find_row() {
   const ScopedSeconds timed(stages_ ? &stages_->classify : nullptr);
   const auto runs = voxels_->runs().of_row(row_);
   Columns columns{0, std::uint32_t(slice_.width)};
-  if (!all_in_view_) columns = in_view(columns);
+  if (!runs.empty()) columns = in_view(columns);
   for (const ColumnRun& run : runs) {
     const int first = std::max(run.first, int(columns.first)), end = std::min(run.end, int(columns.end));
     outside_ += std::uint64_t(run.end - run.first - std::max(end - first, 0));
@@ -112,31 +111,12 @@ Columns RowBand::in_view(Columns all) {
   return columns.empty() ? columns : reaching_y(0, frame_.geometry.height, columns);
 }
 
-bool RowBand::is_all_in_view() {
-  const PixelWindow window = window_of_rows(row_, end_);
-  return window.x0 >= 0 && window.x1 < frame_.geometry.width && window.y0 >= 0 &&
-         window.y1 < frame_.geometry.height;
-}
-
 std::span<const ClassifiedSample> RowBand::make_samples() {
   const ScopedSeconds timed(stages_ ? &stages_->shade : nullptr);
   const NormalCode* normals = frame_.phong ? slice_.normals_of_row(row_) : nullptr;
   ringsplat::make_samples(frame_.classifier, {slice_.values_of_row(row_), normals, slice_.width},
                           frame_.phong ? &*frame_.phong : nullptr, found_);
   return std::span(found_.samples).first(found_.visible);
-}
-
-PixelWindow RowBand::window_of_rows(int first, int end) {
-  row_begun_ = false;
-  std::optional<PixelWindow> all;
-  for (const int row : {first, std::max(first, end - 1)}) {
-    dda_.begin_row(slice_.index, row);
-    for (const std::uint32_t column : {0U, std::uint32_t(slice_.width - 1)}) {
-      const PixelWindow window = window_of(column);
-      all = all ? hull(*all, window) : window;
-    }
-  }
-  return *all;
 }
 
 void RowBand::clear_counts() {

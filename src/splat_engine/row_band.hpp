@@ -115,11 +115,8 @@ class RowBand {
   /// for positions.
   virtual void encode_row(int row) = 0;
   void begin_row();
-  /// Window of all voxels of rows first … end − 1, from the corners: positions are linear, but for rounding.
-  /// Call begin_row() again afterwards.
-  PixelWindow window_of_rows(int first, int end);
-  /// Straight colours and corrected opacities of the row's visible voxels. encode_row() asks for them when any
-  /// are sent.
+  /// Straight colours and corrected opacities of the row's visible voxels. encode_row() asks for them when
+  /// any are sent.
   std::span<const ClassifiedSample> make_samples();
 
   /// Counts splats of a region: this row's voxels in columns first + k for each bit k of `mask`. Marks the
@@ -161,14 +158,12 @@ class RowBand {
   SliceDda dda_;
   SliceView slice_;
   VisibleRow found_;  ///< the row's visible voxels
-  int end_ = 0;       ///< one past the band's last row
 
  private:
   /// Finds the row's visible voxels that are in view, and counts the others.
   void find_row();
   /// Columns of the row whose windows can meet the image.
   Columns in_view(Columns all);
-  bool is_all_in_view();
 
   VisibleVoxels* voxels_ = nullptr;   ///< of the slice
   std::vector<RegionCounts> counts_;  ///< by region
@@ -177,10 +172,9 @@ class RowBand {
   /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ outside them; plus a margin for
   /// rounding.
   glm::dvec2 beyond_;
-  int row_ = 0;
+  int row_ = 0, end_ = 0;  ///< the next row, and one past the band's last
   bool row_begun_ = false;
-  bool all_in_view_ = false;  ///< all of the band's rows lie inside the image
-  int row_offset_ = 0;        ///< within the stride
+  int row_offset_ = 0;  ///< within the stride
   std::uint64_t visible_ = 0, outside_ = 0;
   StageSeconds* stages_ = nullptr;
 };

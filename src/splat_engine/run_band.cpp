@@ -47,40 +47,18 @@ class RunBand final : public RowBand {
     std::uint64_t mask;
   };
 
-  /// Consecutive rows of a slice.
-  struct Rows {
-    int slice = -1, first = 0, end = 0;
-    int region = none;                                     ///< the one that takes all their voxels, if any
-    OpaqueTiles::Cover hidden = OpaqueTiles::Cover::none;  ///< how much of their window is opaque there
-    static constexpr int none = -1;
-    bool has(int of_slice, int row) const { return of_slice == slice && row >= first && row < end; }
-  };
-
   void encode_row(int row) override {
-    if (!together_.has(slice_.index, row)) together_ = rows_from(row);
-    if (together_.hidden == OpaqueTiles::Cover::all) return;
-    const bool to_one = together_.region != Rows::none;
-    if (to_one && together_.hidden == OpaqueTiles::Cover::none) return append_row(together_.region, row);
     begin_row();
-    pieces_.clear();
-    if (to_one)
-      find_pieces_of(together_.region, all_columns());
-    else
-      find_pieces();
-    if (!pieces_.empty()) append_pieces(row);
-  }
-
-  /// The rows from `row` on that share one test: few enough to lie in one region, enough to be worth it.
-  Rows rows_from(int row) {
-    constexpr int most = 8;
-    Rows rows{slice_.index, row, std::min(row + most, end_)};
-    PixelWindow window = window_of_rows(rows.first, rows.end);
-    window = {window.x0 - 1, window.y0 - 1, window.x1 + 1, window.y1 + 1};  // for rounding
+    const VisibleBlock &front = found_.blocks.front(), &back = found_.blocks.back();
+    const Columns all{front.first + std::uint32_t(std::countr_zero(front.mask)),
+                      back.first + std::uint32_t(std::bit_width(back.mask))};
+    const PixelWindow window = hull(window_of(all.first), window_of(all.end - 1));
     const PixelRect touched = frame_.geometry.regions.touched(window.x0, window.y0, window.x1, window.y1);
-    if (touched.width() != 1 || touched.height() != 1) return rows;
-    rows.region = touched.y0 * frame_.geometry.regions.columns() + touched.x0;
-    rows.hidden = hidden(rows.region, window);
-    return rows;
+    const int region = touched.y0 * frame_.geometry.regions.columns() + touched.x0;
+    if (touched.width() == 1 && touched.height() == 1 && hidden(region, window) == OpaqueTiles::Cover::none)
+      return append_row(region, row);
+    find_pieces(touched, all);
+    if (!pieces_.empty()) append_pieces(row);
   }
 
   /// Appends all the row's voxels to the region's part.
@@ -103,17 +81,8 @@ class RunBand final : public RowBand {
     for (const Piece& piece : pieces_) append(piece, row);
   }
 
-  /// Columns from the row's first to its last visible voxel.
-  Columns all_columns() const {
-    const VisibleBlock &front = found_.blocks.front(), &back = found_.blocks.back();
-    return {front.first + std::uint32_t(std::countr_zero(front.mask)),
-            back.first + std::uint32_t(std::bit_width(back.mask))};
-  }
-
-  void find_pieces() {
-    const Columns all = all_columns();
-    const PixelWindow window = window_of(all.first, all.end - 1);
-    const PixelRect touched = frame_.geometry.regions.touched(window.x0, window.y0, window.x1, window.y1);
+  void find_pieces(const PixelRect& touched, Columns all) {
+    pieces_.clear();
     for (int y = touched.y0; y < touched.y1; ++y) {
       const int first_region = y * frame_.geometry.regions.columns();
       const PixelRect& pixels = rect(first_region);
@@ -139,10 +108,6 @@ class RunBand final : public RowBand {
     }
   }
 
-  /// Window of the voxels in columns first … last; positions are linear.
-  PixelWindow window_of(std::uint32_t first, std::uint32_t last) const {
-    return hull(RowBand::window_of(first), RowBand::window_of(last));
-  }
   /// How much of the window of the voxels in columns first … last is opaque; wider by a rounding error.
   OpaqueTiles::Cover cover_of(int region, std::uint32_t first, std::uint32_t last) const {
     constexpr double rounding = 1e-6;
@@ -217,7 +182,6 @@ class RunBand final : public RowBand {
     values.clear();
   }
 
-  Rows together_;
   std::vector<Part> parts_;    ///< by region
   std::vector<Piece> pieces_;  ///< of the row, region by region
   Buffer<Voxel> packed_;       ///< the row's voxels

@@ -13,7 +13,6 @@
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat/aligned_slice.hpp"
-#include "splat/place_run.hpp"
 #include "splat/splat_sum.hpp"
 #include "splat/voxel_run.hpp"
 #include "splat/voxel_sum.hpp"
@@ -170,7 +169,6 @@ class RunReader final : public PayloadReader {
   void begin(int slice, const PayloadPart& part, RegionImage& image) override {
     sum_.begin(image);
     if (std::exchange(slice_, slice) != slice) row_ = nothing;
-    placed_ = nothing;
     const PixelRect rect = geometry_.regions.rect(part.region);
     const KernelReach reach = kernel_reach(footprint_);
     corner_x_ = rect.x0 - reach.x - 1;
@@ -195,26 +193,15 @@ class RunReader final : public PayloadReader {
   std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
 
  private:
-  /// Computes positions for the 64 columns around the next voxel, unless known.
-  void place_block() {
-    if (std::exchange(row_, cursor_.row()) != cursor_.row()) {
-      dda_.begin_row(slice_, int(cursor_.row()));
-      placed_ = nothing;
-    }
-    const std::uint32_t first = cursor_.column() / RunPlaces::capacity * RunPlaces::capacity;
-    if (std::exchange(placed_, first) == first) return;
-    const int count = int(std::min<std::uint32_t>(RunPlaces::capacity, width_ - first));
-    place_run(footprint_, dda_, first, count, corner_x_, corner_y_, places_);
-  }
-
   /// Appends the next voxel. Returns false when it needs another base.
   ///
   /// Bases are 256 pixels apart; the first lies the kernels' reach before the region's corner, so regions of
   /// up to 250 pixels need only one.
   bool append_splat() {
-    place_block();
-    const std::uint32_t k = cursor_.column() - placed_;
-    const std::int32_t x = places_.anchor_x[k], y = places_.anchor_y[k];
+    if (std::exchange(row_, cursor_.row()) != cursor_.row()) dda_.begin_row(slice_, int(cursor_.row()));
+    const glm::dvec3 position = dda_.position(cursor_.column());
+    const Anchored at = anchor(position.x, position.y);
+    const std::int64_t x = at.anchor_x - corner_x_, y = at.anchor_y - corner_y_;
     if (is_far(x) || is_far(y)) {
       ++off_screen_;
       cursor_.skip_voxel();
@@ -227,9 +214,10 @@ class RunReader final : public PayloadReader {
       return false;
     }
     const VoxelColour colour = unpack(cursor_.voxel());
-    splats_[filled_++] = {places_.a[k],
-                          places_.b[k],
-                          places_.c[k],
+    const Coefficients q = coefficients(footprint_, at.dx, at.dy);
+    splats_[filled_++] = {static_cast<float>(q.a),
+                          static_cast<float>(q.b),
+                          static_cast<float>(q.c),
                           weighted_opacity(footprint_, colour.opacity),
                           colour.red,
                           colour.green,
@@ -241,7 +229,7 @@ class RunReader final : public PayloadReader {
   }
 
   /// No kernel reaches so far.
-  static bool is_far(std::int32_t anchor) { return anchor > (1 << 30) || anchor < -(1 << 30); }
+  static bool is_far(std::int64_t anchor) { return anchor > (1 << 30) || anchor < -(1 << 30); }
 
   SplatSum sum_;
   const FrameGeometry& geometry_;
@@ -252,10 +240,8 @@ class RunReader final : public PayloadReader {
   int slice_ = -1;                            ///< the DDA's slice
   std::int64_t corner_x_ = 0, corner_y_ = 0;  ///< origin of the bases
   static constexpr std::uint32_t nothing = ~0U;
-  std::uint32_t row_ = nothing;     ///< the DDA's row in the slice
-  std::uint32_t placed_ = nothing;  ///< first of the columns in places_
-  RunPlaces places_;
-  std::int32_t base_x_ = 0, base_y_ = 0;  ///< base of the splats, from the corner
+  std::uint32_t row_ = nothing;           ///< the DDA's row in the slice
+  std::int64_t base_x_ = 0, base_y_ = 0;  ///< base of the splats, from the corner
   std::vector<Splat> splats_;
   std::uint64_t filled_ = 0;      ///< how many of splats_ are filled
   std::uint64_t off_screen_ = 0;  ///< voxels too far from the region to reach it

@@ -20,7 +20,7 @@ class SliceDda {
   SliceDda(const ViewTransform& view, Axis axis, int width) : view_(view), axis_(axis) {
     const glm::dvec3 step = view.linear[in_plane(axis).u];
     for (int k = 0; k < 3; ++k) {
-      steps_[std::size_t(k)].resize(std::size_t(width + padding));
+      steps_[std::size_t(k)].resize(std::size_t(width));
       for (int u = 0; u < width; ++u) steps_[std::size_t(k)][std::size_t(u)] = step[k] * double(u);
     }
   }
@@ -35,8 +35,7 @@ class SliceDda {
     return row_start_ + glm::dvec3(steps_[0][column], steps_[1][column], steps_[2][column]);
   }
 
-  // For vector code: x and y are row start + step; `padding` steps behind the last column can be read.
-  static constexpr int padding = 8;
+  // x and y are row start + step.
   const glm::dvec3& row_start() const { return row_start_; }
   const double* steps_x() const { return steps_[0].data(); }
   const double* steps_y() const { return steps_[1].data(); }
