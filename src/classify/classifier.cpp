@@ -3,7 +3,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <type_traits>
 
 #include "classify/adjust.hpp"
 #include "classify/mask_where.hpp"
@@ -20,11 +19,11 @@ double corrected(double opacity, double length) {
   return -std::expm1(length * std::log1p(-opacity));
 }
 
-/// Clamps a whole number to the range of an integer type, widened by `beyond` at either end.
+/// Clamps a whole number to the range of an integer type.
 template <class T>
-int bounded(double whole, int beyond = 0) {
+int bounded(double whole) {
   using Limits = std::numeric_limits<T>;
-  return int(std::clamp(whole, double(Limits::min() - beyond), double(Limits::max() + beyond)));
+  return int(std::clamp(whole, double(Limits::min()), double(Limits::max())));
 }
 
 }  // namespace
@@ -54,14 +53,6 @@ void Classifier::make_table() {
     table_.push_back(evaluate(value));
     visible_.push_back(table_.back().opacity > 0);
   }
-  // Of the type's values within the support; first > last when there is none.
-  using Limits = std::numeric_limits<T>;
-  first_visible_ = std::max(bounded<T>(std::ceil(support_low_), 1), int(Limits::min()));
-  last_visible_ = std::min(bounded<T>(std::floor(support_high_), 1), int(Limits::max()));
-  gaps_ = first_visible_ > last_visible_;
-  for (int value = std::max(first_visible_, table_low_); value <= std::min(last_visible_, table_high_);
-       ++value)
-    gaps_ = gaps_ || visible_[table_index(value)] == 0;
 }
 
 ClassifiedSample Classifier::evaluate(double value) const {
@@ -76,20 +67,11 @@ ClassifiedSample Classifier::evaluate(double value) const {
 
 template <class T>
 void Classifier::find_by_table(const std::byte* row, int first, int end, std::uint64_t* masks) const {
-  using Bits = std::make_unsigned_t<T>;
-  const auto take = [&](int block, std::uint64_t mask) { masks[block / mask_bits] |= mask; };
   const auto by_table = [&](int from, int count) {
     return mask_where<T>(row, from, count, [this](T value) { return visible_[table_index(value)]; });
   };
-  const Bits low = Bits(first_visible_), span = Bits(Bits(last_visible_) - low);
-  const auto by_ends = [&](int from, int count) {
-    return mask_where<Bits>(row, from, count,
-                            [low, span](Bits bits) { return std::uint8_t(Bits(bits - low) <= span); });
-  };
-  if (gaps_)
-    for_each_mask(first, end, by_table, take);
-  else
-    for_each_mask(first, end, by_ends, take);
+  for_each_mask(first, end, by_table,
+                [&](int block, std::uint64_t mask) { masks[block / mask_bits] |= mask; });
 }
 
 template <class T>

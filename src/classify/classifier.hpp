@@ -84,8 +84,6 @@ class Classifier {
   std::vector<ClassifiedSample> table_;  ///< of values table_low_ … table_high_; beyond, the ends hold
   std::vector<std::uint8_t> visible_;    ///< 1 where the table's opacity is above zero
   int table_low_ = 0, table_high_ = 0;
-  int first_visible_ = 0, last_visible_ = 0;  ///< all values between are visible unless there are gaps
-  bool gaps_ = true;
 };
 
 }  // namespace ringsplat
