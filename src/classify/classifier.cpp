@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "classify/adjust.hpp"
-#include "classify/mask_where.hpp"
 #include "classify/piecewise.hpp"
 #include "classify/srgb.hpp"
 #include "volume/scalars.hpp"
@@ -49,10 +48,7 @@ void Classifier::make_table() {
   const DataRange ends = ends_of(tf_);
   table_low_ = bounded<T>(std::floor(ends.low) - 1);
   table_high_ = bounded<T>(std::ceil(ends.high));
-  for (int value = table_low_; value <= table_high_; ++value) {
-    table_.push_back(evaluate(value));
-    visible_.push_back(table_.back().opacity > 0);
-  }
+  for (int value = table_low_; value <= table_high_; ++value) table_.push_back(evaluate(value));
 }
 
 ClassifiedSample Classifier::evaluate(double value) const {
@@ -65,38 +61,22 @@ ClassifiedSample Classifier::evaluate(double value) const {
   return {float(colour.x), float(colour.y), float(colour.z), float(corrected(opacity, length_))};
 }
 
-template <class T>
-void Classifier::find_by_table(const std::byte* row, int first, int end, std::uint64_t* masks) const {
-  const auto by_table = [&](int from, int count) {
-    return mask_where<T>(row, from, count, [this](T value) { return visible_[table_index(value)]; });
-  };
-  for_each_mask(first, end, by_table,
-                [&](int block, std::uint64_t mask) { masks[block / mask_bits] |= mask; });
-}
-
-template <class T>
-void Classifier::find_one_by_one(const std::byte* row, int first, int end, std::uint64_t* masks) const {
-  const double low = support_low_, high = support_high_;
-  const auto in_support = [&](int from, int count) {
-    return mask_where<T>(row, from, count, [low, high](T value) {
-      return std::uint8_t(int(double(value) >= low) & int(double(value) <= high));
-    });
-  };
-  for_each_mask(first, end, in_support, [&](int block, std::uint64_t mask) {
-    for (; mask != 0; mask &= mask - 1)
-      if (evaluate(double(load<T>(row, std::size_t(block + std::countr_zero(mask))))).opacity > 0)
-        masks[block / mask_bits] |= mask & -mask;
-  });
-}
-
 void Classifier::find_row(const std::byte* row, int first, int end, std::uint64_t* masks) const {
-  if (!(support_low_ <= support_high_)) return;
   visit_type(type_, [&](auto zero) {
     using T = decltype(zero);
-    if constexpr (sizeof(T) <= 2)
-      find_by_table<T>(row, first, end, masks);
-    else
-      find_one_by_one<T>(row, first, end, masks);
+    const auto is_visible = [&](int column) {
+      const T value = load<T>(row, std::size_t(column));
+      if constexpr (sizeof(T) <= 2)
+        return table_[table_index(value)].opacity > 0;
+      else
+        return evaluate(double(value)).opacity > 0;
+    };
+    for (int column = first; column < end;) {
+      const int block = column / mask_bits, next = std::min((block + 1) * mask_bits, end);
+      std::uint64_t mask = 0;
+      for (; column < next; ++column) mask |= std::uint64_t{is_visible(column)} << column % mask_bits;
+      masks[block] |= mask;
+    }
   });
 }
 

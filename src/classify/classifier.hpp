@@ -28,8 +28,10 @@ struct VisibleRow {
   /// samples.
   void take(std::span<const std::uint64_t> masks, std::uint32_t first, std::uint32_t end);
 };
-/// Number of masks of a row, 64 columns each.
-constexpr std::size_t masks_of(int columns) { return (std::size_t(columns) + 63) / 64; }
+/// Columns of a mask.
+inline constexpr int mask_bits = 64;
+/// Number of masks of a row.
+constexpr std::size_t masks_of(int columns) { return (std::size_t(columns) + mask_bits - 1) / mask_bits; }
 
 /// Turns rows of voxels into colour and opacity, for one transfer function and one view.
 ///
@@ -68,10 +70,6 @@ class Classifier {
   std::size_t table_index(int value) const {
     return std::size_t(std::clamp(value, table_low_, table_high_) - table_low_);
   }
-  template <class T>
-  void find_by_table(const std::byte* row, int first, int end, std::uint64_t* masks) const;
-  template <class T>
-  void find_one_by_one(const std::byte* row, int first, int end, std::uint64_t* masks) const;
 
   TransferFunction tf_;
   ScalarType type_;
@@ -82,7 +80,6 @@ class Classifier {
 
   // For 8- and 16-bit types only:
   std::vector<ClassifiedSample> table_;  ///< of values table_low_ … table_high_; beyond, the ends hold
-  std::vector<std::uint8_t> visible_;    ///< 1 where the table's opacity is above zero
   int table_low_ = 0, table_high_ = 0;
 };
 

@@ -12,7 +12,6 @@
 #include <cstring>
 #include <type_traits>
 
-#include "classify/mask_where.hpp"
 #include "volume/scalars.hpp"
 
 HWY_BEFORE_NAMESPACE();
