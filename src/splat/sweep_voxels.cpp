@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <type_traits>
 #include <utility>
 
 #include "base/bit_runs.hpp"
@@ -112,36 +111,15 @@ void find_covered(const VoxelRows& voxels, const AlignedSlice& slice, const Anch
 constexpr int parts = block_floats / int(lanes);
 using BlockOfSums = FloatVector[parts];
 
-/// Any number of taps.
-template <class Take>
-HWY_INLINE void convolve_any(const BlockSums& in, const Take& take) {
-  const Floats d;
-  for (int block = 0; block < in.blocks; ++block) {
-    BlockOfSums sums;
-    for (int i = 0; i < parts; ++i) {
-      const float* voxels = in.voxels + block * block_floats + i * int(lanes);
-      const float* weights = in.weights + i * int(lanes);
-      sums[i] = hn::Zero(d);
-      for (int row = 0; row < in.rows; ++row, voxels += in.row_floats, weights -= in.weights_floats) {
-        for (int tap = 0; tap < in.taps; ++tap)
-          sums[i] = fused(hn::LoadU(d, weights + tap * tap_floats),
-                          hn::LoadU(d, voxels + tap * in.voxel_floats), sums[i]);
-      }
-    }
-    take(block, sums);
-  }
-}
-
-/// The same for `blocks` blocks and known numbers of rows and taps. Each block has sums of its own, so that
-/// no addition waits for the one before.
-template <int taps, int rows, int blocks, class Take>
+/// Each block has sums of its own, so that no addition waits for the one before.
+template <int blocks, class Take>
 HWY_INLINE void convolve_some(const BlockSums& in, int first, const Take& take) {
   const Floats d;
   BlockOfSums sums[blocks];
   for (auto& block : sums)
     for (auto& part : block) part = hn::Zero(d);
-  for (int row = 0; row < rows; ++row) {
-    for (int tap = 0; tap < taps; ++tap) {
+  for (int row = 0; row < in.rows; ++row) {
+    for (int tap = 0; tap < in.taps; ++tap) {
       const float* weight = in.weights + tap * tap_floats - row * in.weights_floats;
       const float* voxels = in.voxels + first * block_floats + row * in.row_floats + tap * in.voxel_floats;
       for (int block = 0; block < blocks; ++block)
@@ -154,35 +132,11 @@ HWY_INLINE void convolve_some(const BlockSums& in, int first, const Take& take) 
   for (int block = 0; block < blocks; ++block) take(first + block, sums[block]);
 }
 
-template <int taps, int rows, class Take>
-void convolve_rows(const BlockSums& in, const Take& take) {
-  int block = 0;
-  for (; block + 2 <= in.blocks; block += 2) convolve_some<taps, rows, 2>(in, block, take);
-  if (block < in.blocks) convolve_some<taps, rows, 1>(in, block, take);
-}
-
-/// Returns use(number) where `value` is a number from `first` to `last`, as a constant; else false.
-template <int first, int last, class Use>
-HWY_INLINE bool with_known(int value, const Use& use) {
-  if constexpr (first > last) {
-    return false;
-  } else {
-    if (value != first) return with_known<first + 1, last>(value, use);
-    return use(std::integral_constant<int, first>());
-  }
-}
-
-/// Most kernels have few taps (two at radius 1, two or three at 1.1, three or four at 1.6) and reach a pixel
-/// from few rows. There is code of its own for each number of these.
 template <class Take>
 HWY_INLINE void convolve(const BlockSums& in, const Take& take) {
-  const bool known = with_known<2, 4>(in.taps, [&](auto taps) {
-    return with_known<1, 4>(in.rows, [&](auto rows) {
-      convolve_rows<taps(), rows()>(in, take);
-      return true;
-    });
-  });
-  if (!known) convolve_any(in, take);
+  int block = 0;
+  for (; block + 2 <= in.blocks; block += 2) convolve_some<2>(in, block, take);
+  if (block < in.blocks) convolve_some<1>(in, block, take);
 }
 
 HWY_INLINE void multiply(BlockOfSums& sums, const float* factors) {
