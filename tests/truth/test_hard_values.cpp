@@ -20,13 +20,6 @@ FrameSpec spec_of(const TransferFunction& tf, Shading shading = Shading::phong) 
   return spec;
 }
 
-double pattern(int x, int y, int z) { return double((x * 7 + y * 13 + z * 29) % 32) / 31; }
-
-bool all_finite(const Image& image) {
-  return std::all_of(image.rgba.begin(), image.rgba.end(),
-                     [](float v) { return std::isfinite(v) && v >= 0 && v <= 1.000001F; });
-}
-
 }  // namespace
 
 TEST_CASE("4,096 slices of opacity 1e-4 and of 1e-7") {

@@ -170,10 +170,8 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
   const auto near_truth = truth::splat_method_truth(with_quantised_normals(scene_of(volume, small)), pixels);
   const auto far_truth =
       truth::splat_method_truth(with_quantised_normals(scene_of(volume, large)), far_pixels);
-  double largest = 0;
-  for (std::size_t p = 0; p < pixels.size(); ++p)
-    for (int c = 0; c < 4; ++c) largest = std::max(largest, std::abs(near_truth[p][c] - far_truth[p][c]));
-  CHECK(largest < 1e-9);  // the truth itself is exact enough there: a position has 53 bits
+  // The truth itself is exact enough there: a position has 53 bits.
+  CHECK(largest_difference(near_truth, far_truth) < 1e-9);
 
   // The renderer's own path there, region by region, without the 4 GB: footprint, anchors, coefficients,
   // painter.

@@ -73,13 +73,6 @@ const std::vector<std::pair<const char*, Truth>> field_and_sheets{
     {"field", [](const auto& scene, auto pixels) { return truth::field_truth(scene, pixels); }},
     {"sheets", [](const auto& scene, auto pixels) { return truth::method_truth(scene, pixels); }}};
 
-double lumps(double x, double y, double z) {
-  const double r = glm::length(glm::dvec3(x, y, z) - 0.5);
-  return r < 0.5
-             ? std::pow(std::cos(M_PI * r), 2) * (0.8 + 0.2 * std::sin(21 * x) * std::cos(17 * y + 11 * z))
-             : 0.0;
-}
-
 }  // namespace
 
 TEST_CASE("a uniform box in perspective is as deep as its chords") {
@@ -160,7 +153,7 @@ TEST_CASE("light in perspective is reflected towards the eye") {
 }
 
 TEST_CASE("sheets converge to the field in perspective, too") {
-  const Volume volume = sample_field(24, lumps);
+  const Volume volume = sample_field(24, lumps_in_ball);
   for (const Camera& camera : {cameras[0], cameras[4]}) {
     double error[2];
     for (const int slabs : {2, 4}) {
@@ -180,15 +173,13 @@ TEST_CASE("sheets converge to the field in perspective, too") {
 }
 
 TEST_CASE("a narrow field of view from far away is the orthographic picture") {
-  const Volume volume = sample_field(16, lumps);
+  const Volume volume = sample_field(16, lumps_in_ball);
   const Camera far{.azimuth = 31, .elevation = 17, .fov = 0.02}, orthographic{.azimuth = 31, .elevation = 17};
   const auto pixels = truth::all_pixels(width, height);
   for (const auto& [name, truth] : field_and_sheets) {
     const auto a = truth(scene_of(volume, perspective_spec(ramp(0.3, 0.7, 0.4), far)), pixels);
     const auto b = truth(scene_of(volume, perspective_spec(ramp(0.3, 0.7, 0.4), orthographic)), pixels);
-    double largest = 0;
-    for (std::size_t p = 0; p < pixels.size(); ++p)
-      for (int c = 0; c < 4; ++c) largest = std::max(largest, std::abs(a[p][c] - b[p][c]));
+    const double largest = largest_difference(a, b);
     INFO(name);
     CHECK(largest > 0);
     CHECK(largest < 1e-3);

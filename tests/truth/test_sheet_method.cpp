@@ -35,14 +35,6 @@ FrameSpec lit(FrameSpec spec) {
   return spec;
 }
 
-/// Detail of a few voxels; nothing at the faces.
-double lumps(double x, double y, double z) {
-  const double r = glm::length(glm::dvec3(x, y, z) - 0.5);
-  return r < 0.5
-             ? std::pow(std::cos(M_PI * r), 2) * (0.8 + 0.2 * std::sin(21 * x) * std::cos(17 * y + 11 * z))
-             : 0.0;
-}
-
 TransferFunction steep() {
   TransferFunction tf;
   tf.colours = {{0.0, {1, 0.1, 0.0}}, {0.35, {0.2, 0.9, 0.1}}, {0.5, {0.3, 0.2, 1}}, {1.0, {1, 1, 1}}};
@@ -160,7 +152,7 @@ TEST_CASE("an opaque slab shows the colour at its front, and hides what is behin
 
 TEST_CASE("the error of sheets against the field falls to a quarter when slabs are doubled") {
   for (const Camera& camera : {oblique, Camera{.azimuth = 70, .elevation = 35}}) {
-    const Volume volume = sample_field(24, lumps);
+    const Volume volume = sample_field(24, lumps_in_ball);
     double error[3];
     for (int i = 0; i < 3; ++i) error[i] = error_to_field(volume, sheets_spec(steep(), 64, camera, 1 << i));
     INFO(fmt::format("{:.3g} {:.3g} {:.3g}", error[0], error[1], error[2]));
@@ -205,10 +197,11 @@ TEST_CASE("without opacity correction a slice is one unit long whatever the view
 }
 
 TEST_CASE("all three axes, walked either way, agree with the field") {
-  const Volume volume = sample_field(24, lumps);
+  const Volume volume = sample_field(24, lumps_in_ball);
   const Volume anisotropic = make_volume(
       {30, 30, 6}, ScalarType::float64,
-      [](int x, int y, int z) { return lumps((x + 0.5) / 30, (y + 0.5) / 30, (z + 0.5) / 6); }, {1, 1, 5});
+      [](int x, int y, int z) { return lumps_in_ball((x + 0.5) / 30, (y + 0.5) / 30, (z + 0.5) / 6); },
+      {1, 1, 5});
   for (const Camera& camera : sides) {
     INFO(fmt::format("azimuth {}, elevation {}", camera.azimuth, camera.elevation));
     CHECK(error_to_field(volume, sheets_spec(steep(), 48, camera, 2)) < 0.001);
@@ -218,7 +211,7 @@ TEST_CASE("all three axes, walked either way, agree with the field") {
 }
 
 TEST_CASE("two light points are nearer to the field than one") {
-  const Volume volume = sample_field(24, lumps);
+  const Volume volume = sample_field(24, lumps_in_ball);
   const double one = error_to_field(volume, lit(sheets_spec(steep(), 48, oblique, 2, 1))),
                two = error_to_field(volume, lit(sheets_spec(steep(), 48, oblique, 2, 2)));
   INFO(fmt::format("one {:.3g}, two {:.3g}", one, two));
@@ -300,7 +293,7 @@ TEST_CASE("infinite voxels are drawn as values beyond the transfer function's en
 }
 
 TEST_CASE("a frame of sheets is measured against the truth of sheets") {
-  const Volume volume = sample_field(12, lumps);
+  const Volume volume = sample_field(12, lumps_in_ball);
   const auto spec = sheets_spec(steep(), 24, oblique, 1);
   auto scene = scene_of(volume, spec);
   const auto pixels = truth::all_pixels(24, 24);

@@ -46,13 +46,6 @@ double sampled_field_error(const Volume& volume, const FrameSpec& spec, std::siz
   return std::sqrt(sum / (4.0 * double(count)));
 }
 
-double pattern(int x, int y, int z) { return double((x * 7 + y * 13 + z * 29) % 32) / 31; }
-
-bool all_finite(const Image& image) {
-  return std::all_of(image.rgba.begin(), image.rgba.end(),
-                     [](float v) { return std::isfinite(v) && v >= 0 && v <= 1.000001F; });
-}
-
 /// Marschner and Lobb 1994.
 Volume marschner_lobb(int n) {
   return sample_field(

@@ -1,8 +1,10 @@
 #pragma once
 // Volumes in memory, and one picture from the renderer and from each truth.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <glm/geometric.hpp>
 #include <random>
 #include <set>
 #include <vector>
@@ -47,6 +49,17 @@ inline Volume sample_field(int n, const std::function<double(double, double, dou
                            ScalarType type = ScalarType::float64) {
   return make_volume(glm::ivec3(n), type,
                      [&](int x, int y, int z) { return field((x + 0.5) / n, (y + 0.5) / n, (z + 0.5) / n); });
+}
+
+/// 32 values of 0..1 in no order: noise that is the same at every call.
+inline double pattern(int x, int y, int z) { return double((x * 7 + y * 13 + z * 29) % 32) / 31; }
+
+/// Over the unit cube: detail of a few voxels; nothing at the faces.
+inline double lumps_in_ball(double x, double y, double z) {
+  const double r = glm::length(glm::dvec3(x, y, z) - 0.5);
+  return r < 0.5
+             ? std::pow(std::cos(M_PI * r), 2) * (0.8 + 0.2 * std::sin(21 * x) * std::cos(17 * y + 11 * z))
+             : 0.0;
 }
 
 inline Volume volume_of(VolumeSource& source) {
@@ -136,6 +149,19 @@ inline Image field_image(const Volume& volume, const FrameSpec& spec) {
 /// Largest difference between the renderer's picture and the method's own truth, of values in 0..1.
 inline double numerical_error(const Volume& volume, const FrameSpec& spec) {
   return largest_difference(rendered(volume, spec), method_image(volume, spec));
+}
+
+inline double largest_difference(const std::vector<truth::Rgba>& a, const std::vector<truth::Rgba>& b) {
+  double largest = 0;
+  for (std::size_t p = 0; p < a.size(); ++p)
+    for (int c = 0; c < 4; ++c) largest = std::max(largest, std::abs(a[p][c] - b[p][c]));
+  return largest;
+}
+
+/// Every value is in 0..1, up to rounding.
+inline bool all_finite(const Image& image) {
+  return std::all_of(image.rgba.begin(), image.rgba.end(),
+                     [](float v) { return std::isfinite(v) && v >= 0 && v <= 1.000001F; });
 }
 
 inline float brightest(const Image& image) { return *std::max_element(image.rgba.begin(), image.rgba.end()); }
