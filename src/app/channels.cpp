@@ -61,21 +61,6 @@ void leave_out_same_colours(std::vector<ChannelNotes>& channels) {
     if ((same && channels.size() > 1) || channel.colour == glm::dvec3(0)) channel.colour.reset();
 }
 
-/// Of one frame after another: each node's slices of one are gone when those of the next are held.
-void add_to(FrameStats& sum, const FrameStats& more) {
-  const auto add = [](std::vector<NodeStats>& nodes, const std::vector<NodeStats>& others) {
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-      const auto held = std::max(nodes[k].slice_memory, others[k].slice_memory);
-      nodes[k] += others[k];
-      nodes[k].slice_memory = held;
-    }
-  };
-  add(sum.gps, more.gps);
-  add(sum.renderers, more.renderers);
-  for (std::size_t k = 0; k < sum.links.size(); ++k) sum.links[k] += more.links[k];
-  sum.seconds += more.seconds;
-}
-
 }  // namespace
 
 std::vector<DrawnChannel> find_channels(VolumeOptions volume, const std::string& wanted) {
@@ -132,20 +117,6 @@ MadeFunction make_function(DrawnChannel& channel, const RenderOptions& options, 
       fmt::format("{} ({}): #{:02x}{:02x}{:02x}, values from {:.4g} to {:.4g}", channel.name, channel.choice,
                   rgb.x, rgb.y, rgb.z, plain(ends.front().value), plain(ends.back().value));
   return made;
-}
-
-void ChannelSum::add(FrameResult&& picture, std::size_t channel, std::size_t view) {
-  const auto [found, is_first] = sums_.try_emplace(view, std::move(picture));
-  if (!is_first) {
-    FrameResult& sum = found->second;
-    for (std::size_t k = 0; k < sum.image.rgba.size(); ++k) sum.image.rgba[k] += picture.image.rgba[k];
-    add_to(sum.stats, picture.stats);
-  }
-  if (channel + 1 < channels_) return;
-  FrameResult sum = std::move(sums_.extract(found).mapped());
-  if (channels_ > 1)
-    for (float& part : sum.image.rgba) part = std::min(part, 1.0F);
-  take_(std::move(sum), view);
 }
 
 }  // namespace ringsplat::app

@@ -1,8 +1,6 @@
 #pragma once
-#include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,7 +8,6 @@
 #include "options/options.hpp"
 #include "options/transfer_function_option.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
-#include "session/director.hpp"
 
 /// Channels of one volume that are drawn one after another, each in its colour, and added.
 namespace ringsplat::app {
@@ -32,22 +29,5 @@ std::vector<DrawnChannel> find_channels(VolumeOptions volume, const std::string&
 /// there is another. As TransferFunctionChoice::make().
 MadeFunction make_function(DrawnChannel& channel, const RenderOptions& options, const ValueStatistics& values,
                            const Grid& grid);
-
-/// Adds up channels' pictures: light and opacity, both at most 1. So channels do not hide each other.
-class ChannelSum {
- public:
-  using Take = std::function<void(FrameResult&& sum, std::size_t view)>;
-
-  /// `take` gets a view's sum when its last channel was added.
-  ChannelSum(std::size_t channels, Take take) : channels_(channels), take_(std::move(take)) {}
-
-  /// Each view's pictures come in the channels' order, so that sums have the same bits in every run.
-  void add(FrameResult&& picture, std::size_t channel, std::size_t view);
-
- private:
-  std::size_t channels_;
-  Take take_;
-  std::map<std::size_t, FrameResult> sums_;  ///< by view
-};
 
 }  // namespace ringsplat::app

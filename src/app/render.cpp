@@ -202,14 +202,14 @@ bool writes_to_stdout(const RenderOptions& o) {
 }
 
 /// Draws one volume of the series: with --frames one view of it, else all.
-void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, ChannelSum& sum,
+void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum,
           const Wiring& wiring, Launch& launch) {
   const std::size_t channel = k % job.channels_drawn(), volume = k / job.channels_drawn();
   std::vector<Camera> cameras = job.cameras;
   if (job.options.frames && cameras.size() > 1) cameras = {cameras[volume]};
   const auto take = [&](FrameResult&& result) {
     const auto view = job.options.frames ? job.series[k].number : result.spec.frame;
-    sum.add(std::move(result), channel, std::size_t(view));
+    sum.add(std::move(result), std::size_t(view), channel + 1 == job.channels_drawn());
   };
   const RunOptions& run = job.options.run;
   render_all(std::move(scene), job.layout, run.protocol,
@@ -239,7 +239,7 @@ ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
         range.high));
   progress.begin("rendering", double(views));
   double last_ended = now_seconds();
-  ChannelSum sum(job.channels_drawn(), [&](FrameResult&& result, std::size_t view) {
+  FrameSum sum([&](FrameResult&& result, std::size_t view) {
     const double now = now_seconds();
     result.spec.frame = result.stats.frame = std::int64_t(view);
     result.stats.period = now - std::exchange(last_ended, now);

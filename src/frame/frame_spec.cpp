@@ -152,10 +152,14 @@ void check_mode(const Shown& shown, const Method& method) {
     throw InputError("--isovalue is not a finite number", "give a value of the volume");
 }
 
-/// Reads the method's index among Method's alternatives.
+/// The first byte has the method's index among Method's alternatives, and above it the volume's number.
+constexpr std::size_t most_methods = 4;
+static_assert(std::variant_size_v<Method> <= most_methods);
+
 void take_method(FromBytes& archive, Method& how) {
   std::uint8_t index = 0;
   archive(index);
+  index %= most_methods;
   const auto take_it = [&]<std::size_t... I>(std::index_sequence<I...>) {
     return ((index == I && (how.emplace<I>(), true)) || ...);
   };
@@ -198,7 +202,13 @@ void check(const FrameSpec& spec) {
   check_mode(spec.shown, spec.how);
 }
 
-Bytes encode(const FrameSpec& spec) { return to_bytes(std::uint8_t(spec.how.index()), spec); }
+Bytes encode(const FrameSpec& spec, std::size_t volume) {
+  return to_bytes(std::uint8_t(volume * most_methods + spec.how.index()), spec);
+}
+
+std::size_t volume_of(std::span<const std::byte> bytes) {
+  return bytes.empty() ? 0 : std::size_t(bytes.front()) / most_methods;
+}
 
 std::string method_of(std::span<const std::byte> bytes) {
   Method how;

@@ -9,9 +9,11 @@
 namespace ringsplat {
 
 /// Exact bytes and back, for ranks of one build. decode_frame_spec() throws RunError when they are no
-/// FrameSpec; check() tells whether its values make sense.
-Bytes encode(const FrameSpec& spec);
+/// FrameSpec; check() tells whether its values make sense. `volume`: the number of the one it is of, below
+/// 64.
+Bytes encode(const FrameSpec& spec, std::size_t volume = 0);
 FrameSpec decode_frame_spec(std::span<const std::byte> bytes);
+std::size_t volume_of(std::span<const std::byte> bytes);
 /// The name of an encoded frame's method.
 std::string method_of(std::span<const std::byte> bytes);
 /// As JSON text, for --stats and image metadata.

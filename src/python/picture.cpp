@@ -172,7 +172,7 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
   const Wiring wiring = launch.wiring(o.run.loopback);
   ValueRange range;
   std::vector<Picture> pictures;
-  app::ChannelSum sum(job.channels_drawn(), [&](FrameResult&& result, std::size_t) {
+  FrameSum sum([&](FrameResult&& result, std::size_t) {
     pictures.push_back(picture_of(std::move(result), o, range, job.annotation, job.channels));
     progress.at(double(pictures.size()));
   });
@@ -183,7 +183,7 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
     if (channel == 0) range = scene.values.range;
     const auto add = [&](FrameResult&& result) {
       const auto view = std::size_t(result.spec.frame);
-      sum.add(std::move(result), channel, view);
+      sum.add(std::move(result), view, channel + 1 == job.channels_drawn());
     };
     progress.begin("rendering", double(job.cameras.size()));
     app::render_all(std::move(scene), job.layout, o.run.protocol,

@@ -97,6 +97,7 @@ struct Scene {
   std::map<int, SliceStore> stores;  ///< by GP, those of this process
   ValueStatistics values;
   std::shared_ptr<const VolumeSketch> sketch;  ///< of the whole volume
+  std::vector<Scene> others;  ///< further volumes on the same grid that frames may show, as channels
 };
 
 /// Deals all requested levels of an opened volume to GPs and gathers its values' statistics. All processes

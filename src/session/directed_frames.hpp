@@ -1,6 +1,7 @@
 #pragma once
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "frame/frame_geometry.hpp"
 #include "frame/frame_spec_bytes.hpp"
@@ -13,26 +14,50 @@ namespace ringsplat {
 class DirectedFrames final : public FrameSource {
  public:
   DirectedFrames(Director director, const Grid& grid, int renderers)
-      : director_(std::move(director)), grid_(grid), renderers_(renderers) {}
+      : director_(std::move(director)),
+        grid_(grid),
+        renderers_(renderers),
+        sum_([this](FrameResult&& sum, std::size_t) { director_.frame_done(std::move(sum)); }) {
+    if (director_.next_picture) return;
+    director_.next_picture = [next = director_.next_frame] {
+      auto spec = next();
+      return spec ? std::vector{VolumeFrame{0, std::move(*spec)}} : std::vector<VolumeFrame>();
+    };
+  }
 
   std::optional<Bytes> next(std::int64_t frame) override {
-    auto spec = director_.next_frame();
-    if (!spec) return std::nullopt;
-    spec->frame = frame;
-    if (spec->division.dealt_to == 0) spec->division.dealt_to = renderers_;
-    Bytes body = encode(*spec);
-    frames_[frame].spec = std::move(*spec);
+    if (parts_.empty()) parts_ = director_.next_picture();
+    if (parts_.empty()) return std::nullopt;
+    auto [volume, spec] = std::move(parts_.front());
+    parts_.erase(parts_.begin());
+    spec.frame = frame;
+    if (spec.division.dealt_to == 0) spec.division.dealt_to = renderers_;
+    Bytes body = encode(spec, volume);
+    spec.frame = picture_;
+    frames_[frame] = {std::move(spec), {}, parts_.empty()};
+    if (parts_.empty()) ++picture_;
     return body;
   }
   bool may_come() override { return director_.may_come && director_.may_come(); }
+  /// With a picture all its frames are dropped.
   bool unwanted(std::int64_t frame) override {
-    return director_.unwanted && director_.unwanted(frames_.at(frame).spec);
+    const Announced& asked = frames_.at(frame);
+    const std::int64_t picture = asked.spec.frame;
+    if (asked.dropped) return true;
+    if (!director_.unwanted || !director_.unwanted(asked.spec)) return false;
+    for (auto& [number, announced] : frames_) announced.dropped |= announced.spec.frame == picture;
+    if (picture == picture_) {
+      parts_.clear();
+      ++picture_;
+    }
+    return true;
   }
   void done(FrameStats&& stats) override {
-    auto [spec, image] = std::move(frames_.extract(stats.frame).mapped());
-    if (stats.dropped) return;
-    const Axis axis = traversed_axis(spec, grid_);
-    director_.frame_done({std::move(spec), std::move(image), std::move(stats), axis});
+    Announced frame = std::move(frames_.extract(stats.frame).mapped());
+    const auto picture = std::size_t(frame.spec.frame);
+    if (stats.dropped) return sum_.forget(picture);
+    const Axis axis = traversed_axis(frame.spec, grid_);
+    sum_.add({std::move(frame.spec), std::move(frame.image), std::move(stats), axis}, picture, frame.last);
   }
   void pause(std::chrono::nanoseconds most) override {
     if (director_.pause)
@@ -45,13 +70,19 @@ class DirectedFrames final : public FrameSource {
 
  private:
   struct Announced {
-    FrameSpec spec;
+    FrameSpec spec;  ///< with its picture's number
     Image image;
+    bool last = true;  ///< of its picture
+    bool dropped = false;
   };
+
   Director director_;
   Grid grid_;
   int renderers_;
+  std::int64_t picture_ = 0;                  ///< whose parts are announced now
+  std::vector<VolumeFrame> parts_;            ///< of it that are not yet announced
   std::map<std::int64_t, Announced> frames_;  ///< announced and not done
+  FrameSum sum_;
 };
 
 }  // namespace ringsplat

@@ -1,6 +1,8 @@
 #pragma once
+#include <algorithm>
 #include <chrono>
 #include <functional>
+#include <map>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -18,6 +20,57 @@ struct FrameResult {
   Axis axis = Axis::z;  ///< of the slice set that was traversed
 };
 
+/// Adds up pictures of several volumes: light and opacity, both at most 1. So volumes do not hide each other.
+class FrameSum {
+ public:
+  using Take = std::function<void(FrameResult&& sum, std::size_t view)>;
+
+  /// `take` gets a view's sum when its last picture was added.
+  explicit FrameSum(Take take) : take_(std::move(take)) {}
+
+  /// Each view's pictures come in the same order, so that sums have the same bits in every run.
+  void add(FrameResult&& picture, std::size_t view, bool last) {
+    const auto [found, is_first] = sums_.try_emplace(view, std::move(picture));
+    if (!is_first) {
+      FrameResult& sum = found->second;
+      for (std::size_t k = 0; k < sum.image.rgba.size(); ++k) sum.image.rgba[k] += picture.image.rgba[k];
+      add_to(sum.stats, picture.stats);
+    }
+    if (!last) return;
+    FrameResult sum = std::move(sums_.extract(found).mapped());
+    if (!is_first)
+      for (float& part : sum.image.rgba) part = std::min(part, 1.0F);
+    take_(std::move(sum), view);
+  }
+  /// Nothing more is added of the view.
+  void forget(std::size_t view) { sums_.erase(view); }
+
+ private:
+  /// Of one frame after another: each node's slices of one are gone when those of the next are held.
+  static void add_to(FrameStats& sum, const FrameStats& more) {
+    const auto add = [](std::vector<NodeStats>& nodes, const std::vector<NodeStats>& others) {
+      for (std::size_t k = 0; k < nodes.size(); ++k) {
+        const auto held = std::max(nodes[k].slice_memory, others[k].slice_memory);
+        nodes[k] += others[k];
+        nodes[k].slice_memory = held;
+      }
+    };
+    add(sum.gps, more.gps);
+    add(sum.renderers, more.renderers);
+    for (std::size_t k = 0; k < sum.links.size(); ++k) sum.links[k] += more.links[k];
+    sum.seconds += more.period;  // frames may overlap
+  }
+
+  Take take_;
+  std::map<std::size_t, FrameResult> sums_;  ///< by view
+};
+
+/// A frame of one of the volumes that are rendered together.
+struct VolumeFrame {
+  std::size_t volume = 0;  ///< the scene's own; from 1 its others
+  FrameSpec spec;
+};
+
 /// Supplies frames to render and takes the results; lives on rank 0.
 struct Director {
   /// The next frame to render, or nothing when there are no more. `frame` is set by the frame buffer: 0, 1,
@@ -32,6 +85,9 @@ struct Director {
   /// Waits until next_frame may have something, so long at most. May be left empty: it is asked again and
   /// again.
   std::function<void(std::chrono::nanoseconds)> pause = {};
+  /// In place of next_frame: the frames whose FrameSum is the next picture, or none when
+  /// there are no more. Pictures are counted instead of frames; a picture has the spec of its first frame.
+  std::function<std::vector<VolumeFrame>()> next_picture = {};
 };
 
 /// The frame as each camera sees it.

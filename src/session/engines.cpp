@@ -16,8 +16,8 @@ namespace {
 
 class Engines final : public Engine {
  public:
-  Engines(const EngineSetup& setup, std::vector<MethodEngine> methods)
-      : setup_(setup), methods_(std::move(methods)) {}
+  Engines(std::vector<EngineSetup> volumes, std::vector<MethodEngine> methods)
+      : volumes_(std::move(volumes)), methods_(std::move(methods)) {}
 
   FramePlan plan(const Announcement& a) override { return engine_of(a).plan(a); }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
@@ -28,20 +28,20 @@ class Engines final : public Engine {
 
  private:
   Engine& engine_of(const Announcement& a) {
-    const std::string method = method_of(a.body);
-    auto& engine = engines_[method];
-    if (!engine) engine = make(method);
+    const std::pair key(volume_of(a.body), method_of(a.body));
+    auto& engine = engines_[key];
+    if (!engine) engine = make(key.first, key.second);
     return *engine;
   }
-  std::unique_ptr<Engine> make(const std::string& method) const {
+  std::unique_ptr<Engine> make(std::size_t volume, const std::string& method) const {
     for (const MethodEngine& known : methods_)
-      if (method == known.method) return known.make(setup_);
+      if (method == known.method && volume < volumes_.size()) return known.make(volumes_[volume]);
     throw RunError("there is no engine for " + method);
   }
 
-  EngineSetup setup_;
+  std::vector<EngineSetup> volumes_;
   std::vector<MethodEngine> methods_;
-  std::map<std::string, std::unique_ptr<Engine>> engines_;  ///< by method
+  std::map<std::pair<std::size_t, std::string>, std::unique_ptr<Engine>> engines_;
 };
 
 }  // namespace
@@ -51,11 +51,12 @@ std::vector<MethodEngine> drawing_engines() {
 }
 
 std::unique_ptr<Engine> make_engines(const EngineSetup& setup, std::vector<MethodEngine> methods) {
-  return std::make_unique<Engines>(setup, std::move(methods));
+  return std::make_unique<Engines>(std::vector{setup}, std::move(methods));
 }
 
-std::unique_ptr<Engine> make_rank_engine(const EngineSetup& setup) {
-  auto engine = make_engines(setup);
+std::unique_ptr<Engine> make_rank_engine(const EngineSetup& setup, std::vector<EngineSetup> others) {
+  others.insert(others.begin(), setup);
+  std::unique_ptr<Engine> engine = std::make_unique<Engines>(std::move(others), drawing_engines());
   return setup.bundle > 1 ? make_bundle_engine(std::move(engine), setup.bundle) : std::move(engine);
 }
 

@@ -20,7 +20,7 @@ std::vector<MethodEngine> drawing_engines();
 std::unique_ptr<Engine> make_engines(const EngineSetup& setup,
                                      std::vector<MethodEngine> methods = drawing_engines());
 
-/// The same, whose steps are the setup's bundles.
-std::unique_ptr<Engine> make_rank_engine(const EngineSetup& setup);
+/// The same, whose steps are the setup's bundles. Frames may be of the other volumes, too.
+std::unique_ptr<Engine> make_rank_engine(const EngineSetup& setup, std::vector<EngineSetup> others = {});
 
 }  // namespace ringsplat

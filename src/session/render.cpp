@@ -135,26 +135,36 @@ void check(const EngineOptions& options) {
 
 namespace {
 
-/// Makes the engine of the rank that holds these slices.
-std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
-                                    std::shared_ptr<const VolumeSketch> sketch, SliceStore slices, bool timed,
+/// Makes the engine of a rank, which gets its slices of the scene and its others.
+std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout, bool timed,
                                     const EngineOptions& options, TakePicture take) {
-  EngineSetup setup{
-      .grid = grid,
-      .gps = layout.gps,
-      .renderers = layout.renderers,
-      .bundle = layout.bundle,
-      .colocated = layout.placement == Placement::colocated,
-      .sketch = std::move(sketch),
-      .slices = std::make_shared<const SliceStore>(std::move(slices)),
-      .threads = options.threads_per_rank,
-      .kept_bytes = options.keep ? std::uint64_t(*options.keep) << 20 : usual_kept_bytes(grid, layout.gps),
-      // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order
-      // (net/mesh.hpp).
-      .skip_empty = !layout.routed(),
-      .timed = timed,
-      .take = std::move(take)};
-  return options.engine ? options.engine(std::move(setup)) : make_rank_engine(setup);
+  const auto slices_of = [rank](Scene& held) {
+    const auto store = held.stores.find(rank);
+    return std::make_shared<const SliceStore>(store == held.stores.end() ? SliceStore()
+                                                                         : std::move(store->second));
+  };
+  const auto kept =
+      options.keep ? std::uint64_t(*options.keep) << 20 : usual_kept_bytes(scene.grid, layout.gps);
+  EngineSetup setup{.grid = scene.grid,
+                    .gps = layout.gps,
+                    .renderers = layout.renderers,
+                    .bundle = layout.bundle,
+                    .colocated = layout.placement == Placement::colocated,
+                    .sketch = scene.sketch,
+                    .slices = slices_of(scene),
+                    .threads = options.threads_per_rank,
+                    .kept_bytes = kept / (1 + scene.others.size()),
+                    // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order
+                    // (net/mesh.hpp).
+                    .skip_empty = !layout.routed(),
+                    .timed = timed,
+                    .take = std::move(take)};
+  std::vector<EngineSetup> others(scene.others.size(), setup);
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    others[k].sketch = scene.others[k].sketch;
+    others[k].slices = slices_of(scene.others[k]);
+  }
+  return options.engine ? options.engine(std::move(setup)) : make_rank_engine(setup, others);
 }
 
 void run_on_transport(Engine& engine, FrameSource& frames, const Layout& layout,
@@ -174,12 +184,9 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
   flush_denormals();
   DirectedFrames frames(std::move(director), scene.grid, layout.renderers);
   const auto engine_of = [&](int rank) {
-    const auto store = scene.stores.find(rank);
-    return make_engine(scene.grid, layout, scene.sketch,
-                       store == scene.stores.end() ? SliceStore() : std::move(store->second),
-                       protocol.trace != nullptr, options, [&frames](std::int64_t frame, Image&& picture) {
-                         frames.take_picture(frame, std::move(picture));
-                       });
+    return make_engine(
+        scene, rank, layout, protocol.trace != nullptr, options,
+        [&frames](std::int64_t frame, Image&& picture) { frames.take_picture(frame, std::move(picture)); });
   };
   if (wiring.transport == nullptr)
     run_loopback(layout, protocol, engine_of, frames, wiring.loopback);

@@ -33,9 +33,9 @@ void require_same_scene(const Grid& grid, const LoadOptions& options, const Layo
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
                  const Wiring& wiring);
 
-/// Renders the director's frames (asked for on process 0 only). All processes call it; returns when the last
-/// frame is done. Throws InputError when the layout does not fit the number of processes, RunError when a run
-/// fails.
+/// Renders the director's frames of the scene and its others (asked for on process 0 only). All processes
+/// call it; returns when the last frame is done. Throws InputError when the layout does not fit the number of
+/// processes, RunError when a run fails.
 void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
                    const Wiring& wiring, const EngineOptions& engine = {});
 

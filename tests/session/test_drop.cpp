@@ -70,6 +70,49 @@ TEST_CASE("dropped frames end at any moment, and the others have the bits they h
   }
 }
 
+TEST_CASE("a sum of volumes is dropped as one, and the others have the bits of their parts") {
+  const std::array<const char*, 3> names{"ball", "shell", "box"};
+  const Grid grid = make_grid({17, 15, 16});
+  const auto views = turning_views(9);
+  std::vector<std::vector<VolumeFrame>> pictures(views.size());
+  std::vector<Image> sums(views.size());
+  for (std::size_t k = 0; k < views.size(); ++k)
+    for (std::size_t part = 0; part <= k % 3; ++part) {
+      pictures[k].push_back({(k + 2 * part) % 3, views[k]});
+      const Image alone =
+          render_loopback(*synth_source(names[pictures[k].back().volume], grid), views[k], 1, 1).image;
+      if (part == 0) sums[k] = alone;
+      for (std::size_t p = 0; part > 0 && p < alone.rgba.size(); ++p) sums[k].rgba[p] += alone.rgba[p];
+    }
+  for (std::size_t k = 0; k < sums.size(); ++k)
+    for (float& value : sums[k].rgba)
+      if (pictures[k].size() > 1) value = std::min(value, 1.0F);
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const Layout layout = seed % 4 == 3 ? mesh_layout(2, 2, 2, Routing::manhattan)
+                                        : Layout{1 + int(seed % 4), 1 + int(seed % 3)};
+    SoloCollectives solo;
+    const Wiring wiring{solo, nullptr, {.seed = seed, .reorder = true, .max_delay = int(seed % 6)}};
+    const auto loaded = [&](const char* name) {
+      OpenedVolume volume{grid, true, synth_source(name, grid)};
+      return load_scene(volume, {}, layout, wiring);
+    };
+    Scene scene = loaded(names[0]);
+    scene.others = {loaded(names[1]), loaded(names[2])};
+    Browsing browsing{.specs = {}, .patience = int(7 * seed % 90)};
+    Director director = browsing.director();
+    director.next_picture = [&, next = std::size_t{0}]() mutable {
+      return next < pictures.size() ? pictures[next++] : std::vector<VolumeFrame>();
+    };
+    INFO(fmt::format("seed {}", seed));
+    render_frames(std::move(scene), layout, {.frames_in_flight = 1 + int(seed % 3)}, std::move(director),
+                  wiring);
+    for (const auto& [picture, image] : browsing.done) REQUIRE(image == sums[std::size_t(picture)]);
+    REQUIRE(std::count_if(browsing.done.begin(), browsing.done.end(),
+                          [](const auto& one) { return !Browsing::turns_away_from(one.first); }) == 6);
+    if (browsing.patience == 0) REQUIRE(browsing.done.size() == 6);
+  }
+}
+
 TEST_CASE("a dropped frame costs its tokens, not its splats") {
   const auto source = synth_source("ball", make_grid({33, 33, 33}));
   auto specs = turning_views(2);
