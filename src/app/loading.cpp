@@ -69,10 +69,11 @@ std::size_t room_to_read_ahead(int width, int height, std::size_t pictures, cons
 
 SliceMemory settle_layout(RenderOptions& o, Layout& layout, const std::vector<Camera>& cameras,
                           const Grid& grid, const LoadOptions& load, std::size_t pictures,
-                          const std::vector<Place>& places, Launch& launch) {
+                          const std::vector<Place>& places, Launch& launch, std::size_t volumes) {
   if (o.run.choose_roles) layout = choose_roles(o, cameras, grid, load, places, launch);
   o.frame.division.dealt_to = drawing_renderers(layout, places, launch);
   SliceMemory memory = predict_memory(grid, load, dealing_of(layout));
+  for (std::uint64_t& bytes : memory.predicted) bytes *= volumes;
   launch.check_on_all_ranks(
       [&] { check_memory(o.frame.shown.width, o.frame.shown.height, pictures, memory, layout, launch); });
   return memory;

@@ -19,11 +19,11 @@ TransferFunction stand_in_function();
 SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, SliceDealing dealing);
 
 /// Chooses roles where that is left to the program, says how many Renderers get regions, and predicts what
-/// slices take. Throws InputError on all ranks when some process's slices, or its frame buffer, which holds
-/// so many `pictures` at once, exceed the machine's memory.
+/// the slices of so many `volumes` take. Throws InputError on all ranks when some process's slices, or its
+/// frame buffer, which holds so many `pictures` at once, exceed the machine's memory.
 SliceMemory settle_layout(RenderOptions& o, Layout& layout, const std::vector<Camera>& cameras,
                           const Grid& grid, const LoadOptions& load, std::size_t pictures,
-                          const std::vector<Place>& places, Launch& launch);
+                          const std::vector<Place>& places, Launch& launch, std::size_t volumes = 1);
 
 /// Bytes that this process may hold of the next volume of a series while one is drawn: as many as it holds of
 /// one volume's slices, or none where the machine has no room for so many beside slices and pictures.

@@ -144,6 +144,15 @@ void part_into_channels(Job& job, const std::string& wanted, Launch& launch) {
 
 }  // namespace
 
+void find_volumes(Job& job, Launch& launch) {
+  RenderOptions& o = job.options;
+  const std::string wanted = o.volume.choice.channel;
+  if (names_channels(wanted)) o.volume.choice.channel = "all";
+  job.series = find_series(o.volume, o.frames, launch);
+  if (names_channels(wanted)) part_into_channels(job, wanted, launch);
+  o.volume = job.series.front().volume;
+}
+
 std::size_t pictures_at_once(const Job& job, std::size_t views) {
   const std::size_t sums = job.channels.empty() ? 0 : job.options.frames ? 1 : views;
   return sums + FrameOutput::most_held(job.options, views);
@@ -197,11 +206,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
     throw InputError(
         "--frames, --channel: the next volume is read by the clock on the wall, not the simulated one",
         "simulate one volume and channel at a time");
-  const std::string wanted = o.volume.choice.channel;
-  if (names_channels(wanted)) o.volume.choice.channel = "all";
-  job.series = find_series(o.volume, o.frames, launch);
-  if (names_channels(wanted)) part_into_channels(job, wanted, launch);
-  o.volume = job.series.front().volume;
+  find_volumes(job, launch);
   if (o.frames && !o.output.empty()) launch.check_on_rank_0([&] { refuse_replacing_volumes(o, job.series); });
   job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;

@@ -40,6 +40,9 @@ struct Job {
 /// Most pictures of so many views that rank 0 holds at once: sums of channels wait for the last one.
 std::size_t pictures_at_once(const Job& job, std::size_t views);
 
+/// Finds the job's volumes, in all channels that are drawn together. All ranks throw the same InputError.
+void find_volumes(Job& job, Launch& launch);
+
 /// Opens the volume and decides on everything that a run needs to know before loading. All ranks call it, and
 /// throw the same InputError.
 Job prepare(const RenderOptions& given, Launch& launch);

@@ -229,6 +229,13 @@ Scene SeriesLoader::load(std::size_t k) {
   }
 }
 
+Scene SeriesLoader::load_channels(std::size_t volume) {
+  const std::size_t first = volume * job_.channels_drawn();
+  Scene scene = load(first);
+  for (std::size_t k = 1; k < job_.channels_drawn(); ++k) scene.others.push_back(load(first + k));
+  return scene;
+}
+
 void SeriesLoader::read_ahead(std::size_t k) {
   ahead_.reset();
   if (k >= job_.series.size()) return;

@@ -49,6 +49,8 @@ class SeriesLoader {
   /// Throws the same InputError on all processes, with the volume's name, when it cannot be read, has another
   /// grid than the first or no finite value. No scene of an earlier volume should be alive, for its memory.
   Scene load(std::size_t k);
+  /// The same in all channels: the first, and the others beside it.
+  Scene load_channels(std::size_t volume);
   /// Begins to read a volume that will probably be loaded next. None of that number, or one that cannot be
   /// opened: nothing happens, as load() will tell.
   void read_ahead(std::size_t k);

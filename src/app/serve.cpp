@@ -32,7 +32,7 @@
 namespace ringsplat::app {
 namespace {
 
-constexpr std::size_t pictures_held = 3;  // in flight, being encoded, a snapshot
+constexpr std::size_t pictures_held = 4;  // in flight, a sum of channels, being encoded, a snapshot
 
 serve::Qualities qualities() {
   return {sheets_of(Quality::draft), sheets_of(Quality::normal), sheets_of(Quality::best)};
@@ -58,10 +58,10 @@ LoadOptions load_for_levels(const FrameSpec& frame, const Grid& grid) {
 }
 
 /// The page gets the names of all.
-void refuse_long_series(const std::vector<SeriesEntry>& series) {
+void refuse_long_series(std::size_t volumes) {
   constexpr std::size_t most = 10000;
-  if (series.size() > most)
-    throw InputError(fmt::format("the series has {} volumes, the viewer shows {}", series.size(), most),
+  if (volumes > most)
+    throw InputError(fmt::format("the series has {} volumes, the viewer shows {}", volumes, most),
                      "choose fewer by --frames A:B:STEP");
 }
 
@@ -73,9 +73,8 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   const auto [places, layout] = settle_ranks(o.run, launch);
   job.layout = layout;
   launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function, o.colour); });
-  job.series = find_series(o.volume, o.frames, launch);
-  refuse_long_series(job.series);
-  o.volume = job.series.front().volume;
+  find_volumes(job, launch);
+  refuse_long_series(job.volumes());
   job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
   o.frame.shown.reduction.prefilter = true;
@@ -86,8 +85,8 @@ Job prepare(const ServeOptions& options, Launch& launch) {
     check_first_view(o.frame, grid);
   });
   job.load = load_for_levels(o.frame, grid);
-  job.memory =
-      settle_layout(o, job.layout, {o.frame.shown.camera}, grid, job.load, pictures_held, places, launch);
+  job.memory = settle_layout(o, job.layout, {o.frame.shown.camera}, grid, job.load, pictures_held, places,
+                             launch, job.channels_drawn());
   if (!view_note.empty()) log_info("{}", view_note);
   log_roles(job.layout, job.memory, launch);
   return job;
@@ -123,6 +122,30 @@ void set_modes(const MadeFunction& made, const TransferFunction& usual, const Sc
     v.modes.emplace_back(mode, choose_for_mode(mode, scene.values, scene.grid, std::nullopt).function);
 }
 
+/// The channels, each with its own function in each mode, in white. That of the first was told.
+void add_channels(const Job& job, const Scene& scene, serve::ViewerOptions& v) {
+  for (std::size_t k = 0; k < job.channels.size(); ++k) {
+    const ValueStatistics& values = k == 0 ? scene.values : scene.others[k - 1].values;
+    DrawnChannel channel = job.channels[k];
+    RenderOptions options = job.options;
+    if (k > 0) fmt::print(stderr, "{}\n", make_function(channel, options, values, scene.grid).said);
+    channel.colour = glm::dvec3(1.0);
+    serve::ShownChannel& shown = v.channels.emplace_back();
+    shown.name = channel.name;
+    for (int mode = 0; mode <= int(Mode::surface); ++mode) {
+      options.colour.mode = Mode(mode);
+      make_function(channel, options, values, scene.grid).set(shown.own[Mode(mode)]);
+    }
+    v.initial.channels.push_back({true, job.channels[k].colour, shown.window(v.initial.shown.mode)});
+  }
+}
+
+std::vector<ValueRange> ranges_of(const Scene& scene) {
+  std::vector<ValueRange> ranges{scene.values.range};
+  for (const Scene& other : scene.others) ranges.push_back(other.values.range);
+  return ranges;
+}
+
 serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const VolumeNotes& notes,
                                     const Scene& scene, MadeFunction made, const Launch& launch) {
   const RenderOptions& o = job.options;
@@ -138,16 +161,20 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
               notes.world == World::patient,
               notes.unit,
               usual.hounsfield,
-              scene.values.range,
+              ranges_of(scene),
               scene.values.histogram};
   v.frames.clear();
-  for (const SeriesEntry& entry : job.series) v.frames.push_back(entry.name);
+  for (std::size_t k = 0; k < job.series.size(); k += job.channels_drawn()) {
+    std::string& name = v.frames.emplace_back(job.series[k].name);
+    if (!job.channels.empty()) name.resize(name.size() - job.channels.front().name.size() - 2);
+  }
   v.frame = o.frame;
   v.initial.shown = o.frame.shown;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
   set_modes(made, usual.function, scene, v);
   check(v.initial.shown.transfer_function, o.transfer_function);
-  if (made.labels) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
+  add_channels(job, scene, v);
+  if (made.labels && job.channels.empty()) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
   v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));
   v.qualities = qualities();
   v.target_seconds = options.target_ms / 1e3;
@@ -261,13 +288,13 @@ std::size_t load_next(std::size_t next, std::size_t shown, SeriesLoader& loader,
                       serve::Viewer* viewer) {
   std::size_t loaded = next;
   try {
-    scene = loader.load(next);
+    scene = loader.load_channels(next);
   } catch (const InputError& e) {
     if (viewer != nullptr) viewer->not_loaded(int(next), e.what());
     loaded = shown;
-    scene = loader.load(shown);
+    scene = loader.load_channels(shown);
   }
-  if (viewer != nullptr) viewer->loaded(int(loaded), scene.values.range);
+  if (viewer != nullptr) viewer->loaded(int(loaded), ranges_of(scene));
   return loaded;
 }
 
@@ -279,7 +306,7 @@ void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewe
   std::size_t shown = 0;
   bool backwards = false;
   while (true) {
-    loader.read_ahead(backwards ? shown - 1 : shown + 1);
+    loader.read_ahead((backwards ? shown - 1 : shown + 1) * job.channels_drawn());
     render_all(std::exchange(scene, {}), job.layout, run.protocol,
                viewer != nullptr ? viewer->director() : Director{}, wiring, run.engine);
     const auto next = agree_on_next(viewer, launch);
@@ -300,10 +327,14 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
   const Wiring wiring = launch.wiring(run.loopback);
   const VolumeNotes notes = job.volume.notes;
   SeriesLoader loader(job, wiring, pictures_held, progress, launch);
-  Scene scene = loader.load(0);
+  Scene scene = loader.load_channels(0);
   MadeFunction made;
-  launch.check_on_rank_0([&] { made = job.transfer_function->make(scene.values); });
-  if (launch.of_rank_0(made.interpolation == Interpolation::nearest) && job.load.factors.size() > 1) {
+  launch.check_on_rank_0([&] {
+    made = job.channels.empty() ? job.transfer_function->make(scene.values)
+                                : make_function(job.channels.front(), job.options, scene.values, scene.grid);
+  });
+  if (job.channels.empty() && launch.of_rank_0(made.interpolation == Interpolation::nearest) &&
+      job.load.factors.size() > 1) {
     // A mean of labels is another label.
     job.options.frame.shown.reduction.prefilter = job.load.prefilter = false;
     scene = {};

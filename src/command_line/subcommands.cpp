@@ -28,7 +28,7 @@ void refuse_several_channels(const char* subcommand, const VolumeOptions& volume
   if (names_channels(volume.choice.channel))
     throw InputError(
         fmt::format("--channel {}: ringsplat {} shows one channel", volume.choice.channel, subcommand),
-        "choose one; ringsplat render draws several");
+        "choose one; ringsplat render and serve draw several");
 }
 
 void add_volume(OptionList& list, RenderOptions& o, bool series) {
@@ -92,7 +92,7 @@ void add_serve(OptionList& list, AllOptions& all) {
 Command settle_serve(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.serve.picture;
   if (asks_for_colour_maps("serve", o)) return Say{list_of_colour_maps()};
-  refuse_several_channels("serve", o.volume);
+  settle_mode(list, o);
   static_cast<void>(serve::frame_ancestors(all.serve.allowed_frames));
   note_direction(list, o);  // it fits the sphere: turning changes no sizes
   if (o.run.topology == Topology::mesh && !list.is_given("--send-ahead")) o.run.protocol.send_ahead = 0;

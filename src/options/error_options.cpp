@@ -98,14 +98,18 @@ void check_values_file(const RenderOptions& o) {
     throw InputError(fmt::format("-o {} cannot hold --values", o.output), "write an .exr");
 }
 
-void settle_picture(const OptionList& list, RenderOptions& o) {
-  check_values_file(o);
-  settle_fit(list, o);
-  o.frame.how = method_for(o.method);
+void settle_mode(const OptionList& list, RenderOptions& o) {
   // Of fluorescence the largest values show most, where the other options allow a mode.
   const bool mip = std::holds_alternative<Sheets>(o.frame.how) && !list.is_given("--mode") &&
                    o.colour.interpolation != Interpolation::nearest;
   if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
+}
+
+void settle_picture(const OptionList& list, RenderOptions& o) {
+  check_values_file(o);
+  settle_fit(list, o);
+  o.frame.how = method_for(o.method);
+  settle_mode(list, o);
   note_fixed_shortcuts(list, o.budget);
   if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
   o.budget.to_field = o.budget.max_error && *o.error.truth == TruthKind::field;

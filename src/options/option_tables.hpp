@@ -32,6 +32,8 @@ void add_reference_options(OptionList& list, ReferenceOptions& o);
 void add_study_options(OptionList& list, StudyOptions& o);
 void add_synth_options(OptionList& list, SynthOptions& o);
 
+/// The mode of several channels where none is given.
+void settle_mode(const OptionList& list, RenderOptions& o);
 /// What all pictures have in common. Throws InputError when options do not fit together.
 void settle_picture(const OptionList& list, RenderOptions& o);
 /// Throws InputError when the picture's file cannot hold --values.

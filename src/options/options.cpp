@@ -29,7 +29,8 @@ void add_volume_options(OptionList& list, VolumeOptions& o) {
        value(o.choice.frame, {.least = 0})},
       {"--channel", "N|NAME,...|all", nullptr,
        "Of several values a voxel the one to take; a number from 0, r, g, b, a or the name of a channel or "
-       "an array; render also adds up to six, each in its colour: 0,2 or DAPI=blue,GFP=#00ff00, or all",
+       "an array; render and serve also add up to six, each in its colour: 0,2 or DAPI=blue,GFP=#00ff00, or "
+       "all",
        value(o.choice.channel)},
       {"--series", "NAME", nullptr, "Of a DICOM folder's series the one to take; ringsplat info lists them",
        value(o.choice.series)},

@@ -105,6 +105,14 @@ VoxelBox box_from(const json& j, const glm::ivec3& dims) {
   return box;
 }
 
+ChannelState channel_from(const json& j) {
+  const json& window = list_from(member(j, "window"), "a channel's window", 2, 2);
+  const double low = number_from(window[0], "a channel's window", -any, any);
+  return {member(j, "visible") == true,
+          vector_from(member(j, "colour"), "a channel's colour", 0, 1),
+          {low, number_from(window[1], "the end of a channel's window", low, any)}};
+}
+
 // The messages.
 
 /// Refuses deep nesting while it is read: values recurse when they are written or destroyed.
@@ -170,7 +178,10 @@ json to_json(const TransferFunction& tf) {
 
 json to_json(const SceneState& s) {
   const Camera& c = s.shown.camera;
-  json clip;
+  json clip, channels = json::array();
+  for (const auto& [visible, colour, window] : s.channels)
+    channels.push_back(
+        {{"visible", visible}, {"colour", {colour.x, colour.y, colour.z}}, {"window", {window.x, window.y}}});
   if (s.shown.clip)
     for (int k = 0; k < 3; ++k) clip.push_back({s.shown.clip->first[k], s.shown.clip->end[k]});
   return {{"frame", s.frame},
@@ -188,6 +199,7 @@ json to_json(const SceneState& s) {
           {"shading", s.shown.shading == Shading::phong ? "phong" : "none"},
           {"light", {s.shown.light.x, s.shown.light.y, s.shown.light.z}},
           {"clip", clip},
+          {"channels", channels},
           {"background", {s.background.x, s.background.y, s.background.z}}};
 }
 
@@ -218,6 +230,9 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
   shown.clip.reset();
   if (const json clip = state.value("clip", json()); !clip.is_null()) shown.clip = box_from(clip, rules.dims);
   scene.background = vector_from(member(state, "background"), "background", 0, 1);
+  const std::size_t channels = scene.channels.size();
+  const json& looks = list_from(member(state, "channels"), "channels", channels, channels);
+  for (std::size_t k = 0; k < channels; ++k) scene.channels[k] = channel_from(looks[k]);
   return scene;
 }
 

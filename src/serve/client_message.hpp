@@ -1,22 +1,34 @@
 #pragma once
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 #include "ringsplat/frame/frame_spec.hpp"
 
 /// What pages send (docs/viewer.md has the formats).
 namespace ringsplat::serve {
 
+/// How a channel is shown that is drawn with others.
+struct ChannelState {
+  bool visible = true;
+  glm::dvec3 colour{1.0};  ///< sRGB, 0..1
+  glm::dvec2 window{0.0};  ///< of values; a surface has its first
+  bool operator==(const ChannelState&) const = default;
+};
+
 /// A picture that is wanted.
 struct SceneState {
   int frame = 0;  ///< which volume of a series, from 0
   Shown shown;    ///< its camera, transfer function, shading, light, clip box and size are the page's
   glm::dvec3 background{0.0};  ///< sRGB, 0..1
+  /// Each of the volume's; none where one is shown. They have functions of their own.
+  std::vector<ChannelState> channels = {};
   bool operator==(const SceneState&) const = default;
 };
 

@@ -13,6 +13,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
@@ -42,36 +43,35 @@ class Requests {
  public:
   /// `wake`: called by any thread when there may be a frame to render. `levels`: how many there are; files
   /// are drawn at the last. `ffmpeg`: without it there are no movies.
-  Requests(WebServer& server, std::function<void()> wake, const Grid& grid, const ValueRange& range,
+  Requests(WebServer& server, std::function<void()> wake, const Grid& grid, std::vector<ValueRange> ranges,
            int levels, std::optional<std::filesystem::path> ffmpeg)
       : server_(server),
         wake_(std::move(wake)),
         grid_(grid),
         levels_(levels),
         ffmpeg_(std::move(ffmpeg)),
-        range_(range) {}
+        ranges_(std::move(ranges)) {}
 
   ~Requests() { stop(); }
   Requests(const Requests&) = delete;
   Requests& operator=(const Requests&) = delete;
 
-  /// `best`: the frame to draw, or the last view's, at the best level; the ranks will not refuse it. All
-  /// throw InputError when there is too much to do already, and for a movie whatever is wrong with it.
-  /// A probe is of volume `volume` of the series; a file says its own.
-  void add(ClientId client, const ProbeMessage& asked, const FrameSpec& best, int volume) {
-    Probing probing{client, asked.id, Probe(best, grid_, asked.x, asked.y), volume};
+  /// `best`: the frame or frames to draw, or the last view's, at the best level; the ranks will not refuse
+  /// them. All throw InputError when there is too much to do already, and for a movie whatever is wrong with
+  /// it. A probe is of volume `volume` of the series; a file says its own.
+  void add(ClientId client, const ProbeMessage& asked, const VolumeFrame& best, int volume) {
+    Probing probing{client, asked.id, Probe(best.spec, grid_, asked.x, asked.y), volume, best.volume};
     const std::lock_guard lock(mutex_);
     if (const auto old = probes_.find(client); old != probes_.end())
       server_.send_text(client, error_text("another pixel was asked for", Request{"probe", old->second.id}));
     probes_.insert_or_assign(client, std::move(probing));
   }
-  void add(ClientId client, const FileMessage& asked, const FrameSpec& best) {
+  void add(ClientId client, const FileMessage& asked, std::vector<VolumeFrame> best) {
     const std::lock_guard lock(mutex_);
     File file{.client = client,
               .request = {asked.movie ? "movie_frame" : "snapshot", asked.id},
-              .spec = best,
-              .volume = asked.scene.frame,
-              .background = srgb_to_linear(asked.scene.background),
+              .frames = std::move(best),
+              .scene = asked.scene,
               .exr = asked.exr,
               .movie = asked.movie ? movie_for(client, asked) : nullptr,
               .index = asked.movie ? asked.movie->index : 0};
@@ -116,10 +116,10 @@ class Requests {
   }
 
   /// Frames are drawn of another volume from now on; none is under way.
-  void show(int volume, const ValueRange& range) {
+  void show(int volume, const std::vector<ValueRange>& ranges) {
     const std::lock_guard lock(mutex_);
     volume_ = volume;
-    range_ = range;
+    ranges_ = ranges;
   }
 
   /// The volume that must be shown for what waits, when next() has nothing for the one that is.
@@ -128,8 +128,8 @@ class Requests {
     if (ended_) return std::nullopt;
     if (probing_ && probing_->frame < 0 && !probing_->forgotten && probing_->volume != volume_)
       return probing_->volume;
-    if (files_.empty() || making_ || files_.front().volume == volume_) return std::nullopt;
-    return files_.front().volume;
+    if (files_.empty() || making_ || files_.front().scene.frame == volume_) return std::nullopt;
+    return files_.front().scene.frame;
   }
 
   /// Answers all that waits for this volume by an error.
@@ -145,19 +145,19 @@ class Requests {
         if (!probing.forgotten) server_.send_text(client, error_text(what, Request{"probe", probing.id}));
         return true;
       });
-      std::copy_if(files_.begin(), files_.end(), std::back_inserter(refused),
-                   [volume](const File& file) { return file.volume == volume; });
-      std::erase_if(files_, [volume](const File& file) { return file.volume == volume; });
+      const auto is_of_it = [volume](const File& file) { return file.scene.frame == volume; };
+      std::copy_if(files_.begin(), files_.end(), std::back_inserter(refused), is_of_it);
+      std::erase_if(files_, is_of_it);
     }
     for (const File& file : refused) fail(file, what);
   }
 
-  /// The next frame to render, which has the number `frame`.
-  std::optional<FrameSpec> next(std::int64_t frame) {
+  /// The next picture to render, which has the number `frame`; none: nothing.
+  std::vector<VolumeFrame> next(std::int64_t frame) {
     const std::lock_guard lock(mutex_);
-    if (ended_) return std::nullopt;
-    auto spec = next_probe(frame);
-    return spec ? spec : next_file(frame);
+    if (ended_) return {};
+    auto frames = next_probe(frame);
+    return frames.empty() ? next_file(frame) : frames;
   }
 
   /// True when that frame is one that next() gave and that has not come back.
@@ -203,15 +203,15 @@ class Requests {
     std::uint32_t id;
     Probe probe;
     int volume = 0;
+    std::size_t channel = 0;
     std::int64_t frame = -1;  ///< that is being rendered
     bool forgotten = false;
   };
   struct File {
     ClientId client;
     Request request;
-    FrameSpec spec;
-    int volume = 0;
-    glm::dvec3 background;  ///< linear light
+    std::vector<VolumeFrame> frames;
+    SceneState scene;
     bool exr = false;
     std::shared_ptr<Movie> movie;  ///< that it is a frame of
     int index = 0;                 ///< in the movie
@@ -227,22 +227,22 @@ class Requests {
     int answered = 0;         ///< frames
   };
 
-  std::optional<FrameSpec> next_probe(std::int64_t frame) {
-    if (probing_ && probing_->frame >= 0) return std::nullopt;
+  std::vector<VolumeFrame> next_probe(std::int64_t frame) {
+    if (probing_ && probing_->frame >= 0) return {};
     if (probing_ && probing_->forgotten) probing_.reset();
     if (!probing_ && !probes_.empty()) probing_ = std::move(probes_.extract(probes_.begin()).mapped());
-    if (!probing_ || probing_->volume != volume_) return std::nullopt;
-    probing_->probe.know_range(range_);
+    if (!probing_ || probing_->volume != volume_) return {};
+    probing_->probe.know_range(ranges_[probing_->channel]);
     probing_->frame = frame;
-    return probing_->probe.next_frame();
+    return {{probing_->channel, *probing_->probe.next_frame()}};
   }
 
-  std::optional<FrameSpec> next_file(std::int64_t frame) {
-    if (files_.empty() || making_ || files_.front().volume != volume_) return std::nullopt;
+  std::vector<VolumeFrame> next_file(std::int64_t frame) {
+    if (files_.empty() || making_ || files_.front().scene.frame != volume_) return {};
     making_ = std::move(files_.front());
     files_.pop_front();
     making_->frame = frame;
-    return making_->spec;
+    return making_->frames;
   }
 
   /// The mutex is held; texts are only handed over.
@@ -314,9 +314,19 @@ class Requests {
     return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
   }
 
+  /// The picture's file. Channels have functions of their own.
+  static Bytes bytes_of(const FrameResult& result, const File& file) {
+    auto settings = nlohmann::json::parse(to_json_text(result.spec));
+    if (!file.scene.channels.empty()) {
+      settings.erase("transfer_function");
+      settings["channels"] = to_json(file.scene)["channels"];
+    }
+    return image_bytes(result.image, file.exr ? ".exr" : ".png", srgb_to_linear(file.scene.background),
+                       text_of(settings));
+  }
+
   void make_snapshot(const FrameResult& result, const File& file) {
-    const Bytes bytes =
-        image_bytes(result.image, file.exr ? ".exr" : ".png", file.background, to_json_text(result.spec));
+    const Bytes bytes = bytes_of(result, file);
     PictureHead head =
         head_of(file, PictureKind::snapshot, file.exr ? PictureFormat::exr : PictureFormat::png);
     head.seconds = static_cast<float>(result.stats.seconds);
@@ -325,8 +335,7 @@ class Requests {
 
   void add_to_movie(const FrameResult& result, const File& file) {
     if (file.movie->cancelled()) return;
-    file.movie->add(file.index,
-                    image_bytes(result.image, ".png", file.background, to_json_text(result.spec)));
+    file.movie->add(file.index, bytes_of(result, file));
     if (file.index + 1 == file.movie->plan().count) {
       post(movie_worker_, [this, file] { finish_movie(file); });
       return;
@@ -364,8 +373,8 @@ class Requests {
   PictureHead head_of(const File& file, PictureKind kind, PictureFormat format) const {
     return {.kind = kind,
             .number = file.request.id,
-            .width = std::uint16_t(file.spec.shown.width),
-            .height = std::uint16_t(file.spec.shown.height),
+            .width = std::uint16_t(file.scene.shown.width),
+            .height = std::uint16_t(file.scene.shown.height),
             .level = std::uint8_t(levels_ - 1),
             .levels = std::uint8_t(levels_),
             .at_rest = true,
@@ -382,7 +391,7 @@ class Requests {
   mutable std::mutex mutex_;  ///< guards what follows, up to the workers
   bool ended_ = false;
   int volume_ = 0;                      ///< that is shown
-  ValueRange range_;                    ///< its values
+  std::vector<ValueRange> ranges_;      ///< its values, by channel
   std::map<ClientId, Probing> probes_;  ///< each client's newest, not yet begun
   std::optional<Probing> probing_;
   std::deque<File> files_;

@@ -25,6 +25,17 @@ using namespace std::chrono_literals;
 
 constexpr auto rest_begins = 150ms;
 
+/// Gives `shown` a channel's function, over its window and in its colour.
+void look_as(const ChannelState& look, const ShownChannel& channel, Shown& shown) {
+  const Shown& own = channel.own.at(shown.mode);
+  shown.transfer_function = own.transfer_function;
+  shown.interpolation = own.interpolation;
+  shown.isovalue = look.window.x;
+  if (look.window != channel.window(shown.mode))
+    stretch(shown.transfer_function, {look.window.x, look.window.y});
+  for (auto& point : shown.transfer_function.colours) point.srgb *= look.colour;
+}
+
 class PageViewer final : public Viewer {
  public:
   explicit PageViewer(ViewerOptions options)
@@ -43,7 +54,7 @@ class PageViewer final : public Viewer {
               const std::lock_guard lock(mutex_);
               wake();
             },
-            options_.volume.grid, options_.volume.range, int(levels_.size()), options_.ffmpeg),
+            options_.volume.grid, options_.volume.ranges, int(levels_.size()), options_.ffmpeg),
         server_(options_.server, events()),
         maker_(int(levels_.size())) {
     server_.start();
@@ -56,7 +67,7 @@ class PageViewer final : public Viewer {
 
   std::string url() const override { return server_.url(); }
   Director director() override {
-    return {.next_frame = [this] { return next(); },
+    return {.next_frame = {},
             .frame_done = [this](FrameResult&& result) { take(std::move(result)); },
             .may_come =
                 [this] {
@@ -64,7 +75,8 @@ class PageViewer final : public Viewer {
                   return !ended_ && !next_volume_;
                 },
             .unwanted = [this](const FrameSpec& spec) { return unwanted(spec); },
-            .pause = [this](std::chrono::nanoseconds most) { pause(most); }};
+            .pause = [this](std::chrono::nanoseconds most) { pause(most); },
+            .next_picture = [this] { return next(); }};
   }
 
   std::optional<int> next_volume() override {
@@ -72,8 +84,8 @@ class PageViewer final : public Viewer {
     return ended_ ? std::nullopt : next_volume_;
   }
 
-  void loaded(int volume, const ValueRange& range) override {
-    requests_.show(volume, range);
+  void loaded(int volume, const std::vector<ValueRange>& ranges) override {
+    requests_.show(volume, ranges);
     const std::lock_guard lock(mutex_);
     next_volume_.reset();
     shown_volume_ = volume;
@@ -111,6 +123,7 @@ class PageViewer final : public Viewer {
 
  private:
   using Clock = std::chrono::steady_clock;
+  using Frames = std::vector<VolumeFrame>;
   struct View {
     ViewMessage message;
     std::uint64_t scene = 0;   ///< the same for views that show the same in the same size
@@ -166,7 +179,8 @@ class PageViewer final : public Viewer {
   }
 
   void handle(ClientId client, ViewMessage&& view) {
-    for (const Level& level : levels_) check_frame(at(view.scene, level), options_.volume.grid);
+    for (const Level& level : levels_)
+      check_frame(frames_of(view.scene, level).front().spec, options_.volume.grid);
     const std::lock_guard lock(mutex_);
     if (!audience_.drives(client)) return;
     if (!last_put_ || *last_put_ != view.scene) ++scenes_;
@@ -190,36 +204,36 @@ class PageViewer final : public Viewer {
     const std::lock_guard lock(mutex_);
     if (!last_put_ || asked.x >= last_put_->shown.width || asked.y >= last_put_->shown.height)
       throw InputError("there is no such pixel in the last view");
-    requests_.add(client, asked, best_frame(*last_put_), last_put_->frame);
+    requests_.add(client, asked, best_frames(*last_put_).front(), last_put_->frame);
   }
 
   void handle(ClientId client, const MapMessage& map) { server_.send_text(client, map_text(map)); }
 
   void handle(ClientId client, const FileMessage& asked) {
-    requests_.add(client, asked, best_frame(asked.scene));
+    requests_.add(client, asked, best_frames(asked.scene));
   }
 
   void handle(ClientId client, const CancelMessage& asked) { requests_.cancel_movie(client, asked.id); }
 
-  std::optional<FrameSpec> next() {
+  Frames next() {
     const std::lock_guard lock(mutex_);
-    if (ended_ || next_volume_) return std::nullopt;
-    auto spec = next_picture();
-    if (!spec && !next_volume_) {
-      spec = requests_.next(next_frame_);
-      const auto volume = spec ? std::nullopt : requests_.wanted_volume();
+    if (ended_ || next_volume_) return {};
+    Frames frames = next_picture();
+    if (frames.empty() && !next_volume_) {
+      frames = requests_.next(next_frame_);
+      const auto volume = frames.empty() ? requests_.wanted_volume() : std::nullopt;
       if (volume) ask_for(*volume);
     }
-    if (spec) ++next_frame_;
-    return spec;
+    if (!frames.empty()) ++next_frame_;
+    return frames;
   }
 
-  std::optional<FrameSpec> next_picture() {
-    if (audience_.size() == 0) return std::nullopt;
+  Frames next_picture() {
+    if (audience_.size() == 0) return {};
     if (rendering_ || pictures_encoding_ + audience_.unacknowledged() >= Audience::most_unacknowledged)
-      return std::nullopt;
+      return {};
     take_newest();
-    if (!current_) return std::nullopt;
+    if (!current_) return {};
     View& view = *current_;
     const bool rests = !view.message.moving || Clock::now() - view.came >= rest_begins;
     std::optional<int> level;
@@ -229,15 +243,15 @@ class PageViewer final : public Viewer {
       level = controller_.level();
     if (!level) {
       if (rests) show_again();
-      return std::nullopt;
+      return {};
     }
     if (view.message.scene.frame != shown_volume_) {
       ask_for(view.message.scene.frame);
-      return std::nullopt;
+      return {};
     }
     not_yet_seen_ = false;
     rendering_ = {next_frame_, view, *level, rests, view.shown.has_value()};
-    return at(view.message.scene, levels_[std::size_t(*level)]);
+    return frames_of(view.message.scene, levels_[std::size_t(*level)]);
   }
 
   /// While a series is gone through quickly only the newest view's volume is loaded, but one picture is drawn
@@ -251,8 +265,10 @@ class PageViewer final : public Viewer {
     if (current_ && current_->scene == view.scene) view.shown = current_->shown;
     current_ = std::move(view);
     std::vector<double> costs;
-    for (const Level& level : levels_)
-      costs.push_back(rough_seconds(at(current_->message.scene, level), options_.volume.grid.dims));
+    for (const Level& level : levels_) {
+      const Frames frames = frames_of(current_->message.scene, level);
+      costs.push_back(double(frames.size()) * rough_seconds(frames.front().spec, options_.volume.grid.dims));
+    }
     controller_.expect(std::move(costs));
   }
 
@@ -322,16 +338,28 @@ class PageViewer final : public Viewer {
     woken_ = false;
   }
 
-  FrameSpec at(const SceneState& scene, const Level& level) const {
+  /// One of each visible channel. Where none is visible the first is drawn, clear.
+  Frames frames_of(const SceneState& scene, const Level& level) const {
     FrameSpec frame = options_.frame;
     frame.shown = scene.shown;
-    return at_level(std::move(frame), level);
+    frame = at_level(std::move(frame), level);
+    Frames frames;
+    for (std::size_t k = 0; k < scene.channels.size(); ++k) {
+      if (!scene.channels[k].visible) continue;
+      frames.push_back({k, frame});
+      look_as(scene.channels[k], options_.channels[k], frames.back().spec.shown);
+      check(frames.back().spec);
+    }
+    if (!frames.empty()) return frames;
+    if (!scene.channels.empty())
+      for (auto& point : frame.shown.transfer_function.opacities) point.opacity = 0;
+    return {{0, frame}};
   }
 
   /// Of a file that a page asks for. An error in a frame that is announced would end the job.
-  FrameSpec best_frame(const SceneState& scene) const {
-    FrameSpec best = at(scene, levels_.back());
-    check_frame(best, options_.volume.grid);
+  Frames best_frames(const SceneState& scene) const {
+    Frames best = frames_of(scene, levels_.back());
+    check_frame(best.front().spec, options_.volume.grid);
     return best;
   }
 

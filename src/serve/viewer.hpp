@@ -1,10 +1,12 @@
 #pragma once
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "classify/adjust.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "serve/client_message.hpp"
 #include "serve/levels.hpp"
@@ -23,12 +25,24 @@ struct Label {
 struct ShownVolume {
   std::string name;
   Grid grid;
-  bool patient = false;     ///< the world's axes are a patient's: left, posterior, superior
-  std::string unit;         ///< of the spacing; empty: unknown
-  bool hounsfield = false;  ///< its values are a CT's
-  ValueRange range;
-  Histogram histogram;
+  bool patient = false;            ///< the world's axes are a patient's: left, posterior, superior
+  std::string unit;                ///< of the spacing; empty: unknown
+  bool hounsfield = false;         ///< its values are a CT's
+  std::vector<ValueRange> ranges;  ///< of the channels, of one without them
+  Histogram histogram;             ///< of the first
   std::vector<Label> labels = {};  ///< but 0, ascending; none: the values are no labels
+};
+
+/// A channel that is drawn with others.
+struct ShownChannel {
+  std::string name;
+  std::map<Mode, Shown> own = {};  ///< the function that it has in each mode, in white, and what goes with it
+
+  /// As that of ChannelState.
+  glm::dvec2 window(Mode mode) const {
+    const DataRange ends = ends_of(own.at(mode).transfer_function);
+    return mode == Mode::surface ? glm::dvec2(own.at(mode).isovalue) : glm::dvec2(ends.low, ends.high);
+  }
 };
 
 struct ViewerOptions {
@@ -39,6 +53,7 @@ struct ViewerOptions {
   std::vector<std::string> frames{""};  ///< names of the series' volumes; one without a series
   SceneState initial;
   std::vector<std::pair<Mode, TransferFunction>> modes;  ///< that can be chosen, each with its first function
+  std::vector<ShownChannel> channels;                    ///< as many as `initial` has
   FrameSpec frame;  ///< what all frames have in common, but for what is shown
   Qualities qualities;
   double target_seconds = 0.04;                 ///< for a picture of a view that moves
@@ -58,8 +73,8 @@ class Viewer {
   virtual Director director() = 0;
   /// After such a run: the volume to load for the next one; nothing when the viewer has ended.
   virtual std::optional<int> next_volume() = 0;
-  /// The next run is of this volume.
-  virtual void loaded(int volume, const ValueRange& range) = 0;
+  /// The next run is of this volume; each channel has its range.
+  virtual void loaded(int volume, const std::vector<ValueRange>& ranges) = 0;
   /// It cannot be loaded: whoever waits for it is told why. loaded() must follow.
   virtual void not_loaded(int volume, const std::string& why) = 0;
   /// Shows a warning of the job on all pages, also of those that come later.

@@ -38,7 +38,7 @@ json volume_json(const ShownVolume& volume) {
           {"unit", volume.unit},
           {"direction", direction},
           {"patient", volume.patient},
-          {"range", {volume.range.low, volume.range.high}},
+          {"range", {volume.ranges.front().low, volume.ranges.front().high}},
           {"type", to_string(volume.grid.type)},
           {"labels", labels_json(volume.labels)},
           {"histogram", histogram_json(volume.histogram)}};
@@ -52,6 +52,20 @@ json presets(const ShownVolume& volume) {
     all.push_back({{"name", preset_name.name},
                    {"description", preset_name.description},
                    {"transfer_function", to_json(preset(preset_name.name, volume.histogram))}});
+  }
+  return all;
+}
+
+json channels_json(const ViewerOptions& o) {
+  json all = json::array();
+  for (std::size_t k = 0; k < o.channels.size(); ++k) {
+    json windows = json::object();
+    for (const auto& [mode, own] : o.channels[k].own) {
+      const glm::dvec2 window = o.channels[k].window(mode);
+      windows[name(mode)] = {window.x, window.y};
+    }
+    const ValueRange& range = o.volume.ranges[k];
+    all.push_back({{"name", o.channels[k].name}, {"range", {range.low, range.high}}, {"windows", windows}});
   }
   return all;
 }
@@ -80,6 +94,7 @@ std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels,
                   {"version", o.version},
                   {"volume", volume_json(o.volume)},
                   {"frames", o.frames},
+                  {"channels", channels_json(o)},
                   {"state", to_json(o.initial)},
                   {"presets", presets(o.volume)},
                   {"modes", modes_json(o)},

@@ -6,6 +6,7 @@ import argparse, os, shutil, signal, socket, struct, subprocess, sys, time
 
 import viewer_client as vc
 from access_cases import allowed, fake_browser, opens, packed_page, page, strangers
+from channel_cases import SHOWN, channels, make_channels
 from movie_cases import fake_ffmpeg, movie_failures, movies, no_ffmpeg
 from series_cases import make_series, series, series_failures, series_quickly
 from server_case import expect, is_alive, start, told
@@ -381,7 +382,7 @@ CASES = {"page": (page,), "packed_page": (packed_page,), "strangers": (strangers
          "errors_have_numbers": (errors_have_numbers,), "returning": (returning,), "movies": (movies, "TMPDIR={scratch}"),
          "movie_failures": (movie_failures, "TMPDIR={scratch}", "PATH={scratch}/bin"),
          "series": (series, *SERIES), "series_quickly": (series_quickly, *SERIES),
-         "series_failures": (series_failures, *SERIES),
+         "series_failures": (series_failures, *SERIES), "channels": (channels, "--channel", SHOWN),
          "no_ffmpeg": (no_ffmpeg, "TMPDIR={scratch}", "PATH={scratch}/empty")}
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
 
@@ -405,8 +406,9 @@ if __name__ == "__main__":
     fake_browser(given)
     if "--frames" in more:
         given.volume = make_series(given)
-    if given.case in ("labels", "hounsfield"):
-        given.volume = make_labels(given) if given.case == "labels" else make_ct(given)
+    made = {"labels": make_labels, "hounsfield": make_ct, "channels": make_channels}
+    if given.case in made:
+        given.volume = made[given.case](given)
     running = start(given, *(word.format(scratch=given.scratch) for word in more))
     try:
         test(given, running)

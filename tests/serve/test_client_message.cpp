@@ -57,6 +57,22 @@ TEST_CASE("A scene that was written is read back to the last bit") {
   CHECK(scene_from(nlohmann::json::parse(text_of(to_json(scene))), rules()) == scene);
 }
 
+TEST_CASE("Channels are as many as the volume has, and are read back to the last bit") {
+  MessageRules two = rules();
+  two.initial.channels = {{true, {1, 0, 1}, {0, 1}}, {true, {0, 1, 0}, {0, 1}}};
+  SceneState scene = two.initial;
+  scene.channels = {{false, {0.1, 0.2, 0.3}, {-0.1, 1e9}}, {true, {1, 1, 1}, {7, 7}}};
+  CHECK(scene_from(nlohmann::json::parse(text_of(to_json(scene))), two) == scene);
+  CHECK(scene_from(nlohmann::json::object(), two) == two.initial);
+  for (const char* channels : {R"([])", R"(7)", R"([{}, {}])", R"([7, 7])",
+                               R"([{"visible": true, "colour": [0, 0, 0], "window": [0, 1]}])",
+                               R"([{"visible": true, "colour": [0, 0, 0], "window": [0, 1]},
+                                   {"visible": true, "colour": [0, 0, 0], "window": [2, 1]}])",
+                               R"([{"visible": true, "colour": [0, 0, 0], "window": [0, 1]},
+                                   {"visible": true, "colour": [0, 0, 2], "window": [0, 1]}])"})
+    CHECK_THROWS_AS(scene_from({{"channels", nlohmann::json::parse(channels)}}, two), InputError);
+}
+
 TEST_CASE("Messages that are not quite right are refused with words") {
   for (
       const char* text :

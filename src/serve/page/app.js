@@ -3,8 +3,9 @@
 import { fillingZoom, viewOf } from './camera.js';
 import { ClipPanel, wholeBox } from './clip_panel.js';
 import { Connection, kinds } from './connection.js';
+import { ChannelsPanel } from './channels_panel.js';
 import { Cube } from './cube.js';
-import { byId, openFile } from './dom.js';
+import { byId, onceAFrame, openFile } from './dom.js';
 import { FilmPanel } from './film_panel.js';
 import { FramePanel } from './frame_panel.js';
 import { Gestures } from './gestures.js';
@@ -37,6 +38,7 @@ export class App {
     this.latencyOf = -1;
     this.losses = 0;
     this.changed = new Set();  // members of the scene, since the last redraw
+    this.refresh = onceAFrame(() => this.refreshNow());
     const neutral = { camera: { azimuth: 0, elevation: 0, roll: 0, zoom: 1, pan: [0, 0], fov: 0 },
                       background: [0.07, 0.07, 0.08] };
     this.stage = new Stage(() => ({ ...(this.scene.state ?? neutral), driving: this.driving }),
@@ -47,6 +49,7 @@ export class App {
       status: (status) => this.linkChanged(status) });
     this.transfer = new TransferPanel(this);
     this.labels = new LabelsPanel(this);
+    this.channels = new ChannelsPanel(this);
     this.viewPanel = new ViewPanel(this);
     this.clipPanel = new ClipPanel(this);
     this.film = new FilmPanel(this);
@@ -116,11 +119,12 @@ export class App {
     const kept = resumes ? this.scene.state : hello.driver ? this.brought : {};
     this.brought = undefined;
     this.fill();
-    this.scene.begin(hello.state, this.withinSeries(kept));
+    this.scene.begin(hello.state, this.fitting(kept));
     if (!resumes) this.history.clear(this.scene.state);
     this.series.begin(hello.frames);
     this.transfer.begin(hello);
     this.labels.begin(volume.labels);
+    this.channels.begin(hello.channels);
     this.film.begin(hello.ffmpeg);
     if (!resumes) this.film.restore();
     this.snapshots.begin(hello.largest);
@@ -203,15 +207,17 @@ export class App {
   }
 
   takeState(given) {
-    this.scene.change(this.withinSeries(given));
+    this.scene.change(this.fitting(given));
   }
-  /** A scene may come from a longer series. */
-  withinSeries(state) {
-    if (state?.frame === undefined) return state;
-    return { ...state, frame: Math.min(state.frame, this.hello.frames.length - 1) };
+  /** A scene may come from a longer series, or a volume with other channels. */
+  fitting(state) {
+    const { channels, frame, ...rest } = state ?? {};
+    if (channels?.length === this.hello.channels.length) rest.channels = channels;
+    if (frame !== undefined) rest.frame = Math.min(frame, this.hello.frames.length - 1);
+    return rest;
   }
   wholeState(part) {
-    return { ...this.hello.state, ...this.withinSeries(part), camera: { ...this.hello.state.camera, ...part.camera } };
+    return { ...this.hello.state, ...this.fitting(part), camera: { ...this.hello.state.camera, ...part.camera } };
   }
 
   /** A step of undo ends here. */
@@ -314,27 +320,26 @@ export class App {
     this.redraw();
   }
 
-  /** Once before the screen's next frame. */
   redraw() {
     this.stage.draw();
-    if (this.redrawing) return;
-    this.redrawing = true;
-    requestAnimationFrame(() => {
-      this.redrawing = false;
-      const keys = this.changed;
-      this.changed = new Set();
-      if (!this.scene.state) return;
-      if (keys.has('transfer_function') || keys.has('isovalue')) this.transfer.refresh();
-      if (keys.has('transfer_function')) this.labels.refresh();
-      if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
-      if (keys.has('clip')) this.clipPanel.refresh();
-      if (keys.has('frame')) this.series.refresh();
-      const { state } = this.scene, { cross } = this.probing;
-      this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross });
-      byId('cube').hidden = !settings.cube;
-      if (settings.cube) this.cube.draw(this.scene.state.camera, this.volume.patient);
-      this.clipPanel.place();
-    });
+    this.refresh();
+  }
+
+  refreshNow() {
+    const keys = this.changed;
+    this.changed = new Set();
+    if (!this.scene.state) return;
+    if (keys.has('transfer_function') || keys.has('isovalue')) this.transfer.refresh();
+    if (keys.has('transfer_function')) this.labels.refresh();
+    if (keys.has('channels')) this.channels.refresh();
+    if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
+    if (keys.has('clip')) this.clipPanel.refresh();
+    if (keys.has('frame')) this.series.refresh();
+    const { state } = this.scene, { cross } = this.probing;
+    this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross });
+    byId('cube').hidden = !settings.cube;
+    if (settings.cube) this.cube.draw(this.scene.state.camera, this.volume.patient);
+    this.clipPanel.place();
   }
 
   refreshPanels() {

@@ -1,6 +1,6 @@
 // The clip box: three double sliders with numbers, and handles at the middles of its faces on the picture.
 
-import { byId, clamp, element, onDrag, onKeys } from './dom.js';
+import { byId, clamp, dualSlider, element, onDrag, onKeys } from './dom.js';
 import { settings } from './settings.js';
 
 const axes = ['x', 'y', 'z'], ends = ['from', 'to'];
@@ -17,17 +17,11 @@ export class ClipPanel {
   }
 
   makeSlider(name, axis) {
-    const inputs = (type) => ends.map((end, k) => element('input', {
-      type, min: 0, step: 1, 'aria-label': `Clip ${name} ${end}${type === 'range' ? '' : ', voxels'}`,
-      [type === 'range' ? 'oninput' : 'onchange']: ({ target }) => {
-        if (type === 'range') this.app.sender.pulse();
-        this.put(axis, k, target.valueAsNumber);
-      },
-    }));
-    const ranges = inputs('range'), numbers = inputs('number'), inside = element('div', { class: 'inside' });
+    const slider = dualSlider(this.app, ends.map((end) => `Clip ${name} ${end}`), 'voxels', 1,
+                              (end, voxel) => this.put(axis, end, voxel));
     byId('clip-sliders').append(element('div', { class: 'axis', role: 'group', 'aria-label': `Clip along ${name}` },
-      element('span', {}, name), numbers[0], element('div', { class: 'dual' }, inside, ...ranges), numbers[1]));
-    return { ranges, numbers, inside };
+                                        element('span', {}, name), ...slider.parts));
+    return slider;
   }
 
   get clip() {
@@ -95,14 +89,6 @@ export class ClipPanel {
     const { state } = this.app.scene, { dims } = this.app.volume;
     byId('clip-on').checked = state.clip !== null;
     byId('clip-whole').disabled = state.clip === null;
-    this.sliders.forEach(({ ranges, numbers, inside }, axis) => {
-      const range = this.clip[axis];
-      ends.forEach((_, k) => {
-        for (const input of [ranges[k], numbers[k]])
-          Object.assign(input, { max: dims[axis], value: range[k], disabled: state.clip === null });
-      });
-      inside.style.left = `${(100 * range[0]) / dims[axis]}%`;
-      inside.style.width = `${(100 * (range[1] - range[0])) / dims[axis]}%`;
-    });
+    this.sliders.forEach((slider, axis) => slider.display(this.clip[axis], [0, dims[axis]], state.clip === null));
   }
 }

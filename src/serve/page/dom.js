@@ -32,6 +32,42 @@ export function onNumber(field, take, refresh) {
   });
 }
 
+/** A function that has `act` called once before the screen's next frame, however often it is called. */
+export function onceAFrame(act) {
+  const ask = () => {
+    if (ask.waits) return;
+    ask.waits = true;
+    requestAnimationFrame(() => {
+      ask.waits = false;
+      act();
+    });
+  };
+  return ask;
+}
+
+/** A slider with two thumbs, which have `names`, between number fields of `unit`: take(end, value) gets what is put. */
+export function dualSlider(app, names, unit, step, take) {
+  const inputs = (type) => names.map((name, end) => element('input', {
+    type, step, 'aria-label': type === 'range' ? name : `${name}, ${unit}`,
+    [type === 'range' ? 'oninput' : 'onchange']: ({ target }) => {
+      if (type === 'range') app.sender.pulse();
+      take(end, target.valueAsNumber);
+    },
+  }));
+  const ranges = inputs('range'), numbers = inputs('number'), inside = element('div', { class: 'inside' });
+  const display = (window, [low, high], disabled = false) => {
+    window.forEach((value, end) => {
+      Object.assign(ranges[end], { min: low, max: high, value, disabled });
+      Object.assign(numbers[end], { value: show(value, 5), disabled });
+    });
+    const percent = (value) => (100 * (value - low)) / (high - low || 1);
+    inside.style.left = `${percent(window[0])}%`;
+    inside.style.width = `${percent(window[1]) - percent(window[0])}%`;
+  };
+  return { parts: [numbers[0], element('div', { class: 'dual' }, inside, ...ranges), numbers[1]],
+           second: [ranges[1], numbers[1]], display };
+}
+
 /** A drag by the first button or a finger, with which the scene moves: begin(event), move(event) and end(). */
 export function onDrag(app, target, { begin, move, end }) {
   let held = false;

@@ -15,7 +15,7 @@ window.ringsplat = Object.freeze({
   /** The present view's final picture is on the canvas. */
   get settled() {
     const last = app.stage.list.at(-1);
-    return app.connection.status === 'open' && !app.sender.moving && !app.sender.scheduled && !app.stage.scheduled &&
+    return app.connection.status === 'open' && !app.sender.moving && !app.sender.request.waits && !app.stage.draw.waits &&
            last !== undefined && last.atRest && (!app.driving || last.seq === app.sender.seq);
   },
   get letters() { return letters(app.scene.state.camera, app.volume.patient); },

@@ -106,7 +106,7 @@ export function drawOverlay({ state, volume, seen, cross }) {
     bar = { length, pixels: length * seen.pixelsPerUnit };
     drawScaleBar(context, colours, { bar, unit: volume.unit, perspective: state.camera.fov > 0, height });
   }
-  if (settings.colours && !volume.labels.length)
+  if (settings.colours && !volume.labels.length && !state.channels.length)
     drawColourBar(context, colours, state.transfer_function, [volume.histogram.low, volume.histogram.high], height);
   if (cross) drawCross(context, colours, cross);
   return bar;

@@ -33,8 +33,9 @@ export class Probe {
   show(answer) {
     this.result = answer;
     const unit = this.app.volume.unit ? ' ' + this.app.volume.unit : '';
+    const { channels } = this.app.scene.state, of = this.app.channels.all[channels.findIndex(({ visible }) => visible)];
     const lines = answer.hit
-      ? [`value ${show(answer.value, 6)}`, `voxel ${answer.voxel.map((v) => show(v, 5)).join(', ')}`,
+      ? [`${of?.name ?? 'value'} ${show(answer.value, 6)}`, `voxel ${answer.voxel.map((v) => show(v, 5)).join(', ')}`,
          `world ${answer.world.map((v) => show(v, 5)).join(', ')}${unit}`]
       : ['nothing opaque here'];
     byId('probe-words').textContent = lines.join('; ');

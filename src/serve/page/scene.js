@@ -22,6 +22,8 @@ const checks = {
   clip: (b) => b === null || (Array.isArray(b) && b.length === 3 &&
                               b.every((range) => isNumbers(range, 2) && range[0] < range[1])),
   background: isRgb,
+  channels: (all) => Array.isArray(all) && all.every((c) => typeof c?.visible === 'boolean' && isRgb(c.colour) &&
+    isNumbers(c.window, 2) && c.window[0] <= c.window[1]),
   frame: (f) => Number.isInteger(f) && f >= 0,
 };
 

@@ -1,16 +1,19 @@
 // Sends the scene to the server: at most one view before each of the screen's frames, told whether a gesture
 // goes on.
 
+import { onceAFrame } from './dom.js';
+
 const restAfter = 150;  // milliseconds after the last turn of a wheel, key or slider
 
 export class Sender {
   /** `write({seq, moving})` sends the view; false when it could not. */
   constructor(write) {
-    this.write = write;
+    this.request = onceAFrame(() => {
+      if (write({ seq: this.seq + 1, moving: this.moving })) ++this.seq;
+    });
     this.seq = Math.floor(Math.random() * 2 ** 30);  // so that pages do not take each other's pictures for theirs
     this.held = 0;
     this.timer = 0;
-    this.scheduled = false;
   }
 
   get moving() {
@@ -32,14 +35,5 @@ export class Sender {
       this.timer = 0;
       if (!this.moving) this.request();
     }, restAfter);
-  }
-
-  request() {
-    if (this.scheduled) return;
-    this.scheduled = true;
-    requestAnimationFrame(() => {
-      this.scheduled = false;
-      if (this.write({ seq: this.seq + 1, moving: this.moving })) ++this.seq;
-    });
   }
 }

@@ -71,6 +71,7 @@ export function sceneAt(frames, time, dims) {
     transfer_function: transferFunction(four.map((f) => f.transfer_function), t),
     shading: four[t < 0.5 ? 1 : 2].shading,
     mode: four[t < 0.5 ? 1 : 2].mode,
+    channels: four[t < 0.5 ? 1 : 2].channels,
     isovalue: curve(...four.map((f) => [f.isovalue]), t)[0],
     frame: Math.round((1 - t) * four[1].frame + t * four[2].frame),
     light: Math.hypot(...light) > 1e-6 ? light : four[1].light,

@@ -1,7 +1,7 @@
 // The picture's canvas: shows what the server sent, moved, zoomed and rolled to the present camera until the
 // picture of that camera comes.
 
-import { byId, cssColour } from './dom.js';
+import { byId, cssColour, onceAFrame } from './dom.js';
 
 const mostRemembered = 512;
 
@@ -16,7 +16,7 @@ export class Stage {
     this.list = [];     // facts of all pictures lately shown
     this.sent = new Map();
     this.largest = [4096, 4096];
-    this.scheduled = false;
+    this.draw = onceAFrame(() => this.drawNow());
     const exact = 'devicePixelContentBoxSize' in ResizeObserverEntry.prototype;
     new ResizeObserver(([entry]) => {
       const box = exact ? entry.devicePixelContentBoxSize[0] : null;
@@ -118,15 +118,6 @@ export class Stage {
     return true;
   }
 
-  /** Draws once before the screen's next frame. */
-  draw() {
-    if (this.scheduled) return;
-    this.scheduled = true;
-    requestAnimationFrame(() => {
-      this.scheduled = false;
-      this.drawNow();
-    });
-  }
 
   drawNow() {
     const { context, canvas, shown } = this, { camera, background, driving } = this.view();

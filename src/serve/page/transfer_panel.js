@@ -43,7 +43,7 @@ export class TransferPanel {
     // Each mode has a function of its own, which it gets back.
     byId('mode').addEventListener('change', ({ target: { value: mode } }) => {
       this.functions[app.scene.state.mode] = this.tf;
-      app.scene.change({ mode, transfer_function: this.functions[mode] });
+      app.scene.change({ mode, transfer_function: this.functions[mode], channels: app.channels.inMode(mode) });
       app.commit();
     });
     onNumber(byId('isovalue'), (isovalue) => {
@@ -70,6 +70,7 @@ export class TransferPanel {
 
   /** Shows an edit; `whole` ones are steps of undo by themselves. */
   edit(tf, whole = false) {
+    if (this.app.channels.all.length) return;  // they have functions of their own
     this.app.scene.change({ transfer_function: tf });
     if (whole) this.app.commit();
   }
@@ -87,7 +88,7 @@ export class TransferPanel {
     const { mode, isovalue } = this.app.scene.state;
     byId('mode').value = mode;
     byId('isovalue').value = show(isovalue, 6);
-    byId('isovalue-label').hidden = mode !== 'surface';
+    byId('isovalue-label').hidden = mode !== 'surface' || this.app.channels.all.length > 0;
     const { which } = this.editor.selected, point = this.editor.point, opacity = which === 'opacities';
     byId('point-value').value = show(point[0], 6);
     byId('point-opacity-label').hidden = !opacity;
