@@ -85,8 +85,13 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
   }
 
   /// Leaves out tiles of which all voxels that are interpolated are transparent alike: blocks are much larger
-  /// than a tile's cells.
+  /// than a tile's cells. Inside what is visible it would find few, so after such a slab the next few are not
+  /// asked.
   void leave_out_transparent() {
+    if (unasked_ > 0) {
+      --unasked_;
+      return;
+    }
     int kept = 0;
     for (int k = 0; k < count_; ++k) {
       const int t = list_[k];
@@ -95,6 +100,8 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
       const bool known = this->find_ranges(rays_.ends(state_[t].ray), ranges);
       kept += !known || numbers_may_show(ranges) ? 1 : 0;
     }
+    constexpr int few = 8, next = 6;
+    if (few * (count_ - kept) < count_) unasked_ = next;
     count_ = kept;
   }
 
@@ -384,6 +391,7 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
   std::array<Work, tiles> work_;
   std::array<int, tiles> whole_, split_;
   int whole_count_ = 0, split_count_ = 0;
+  int unasked_ = 0;  ///< slabs whose tiles are all taken
 };
 
 }  // namespace ringsplat::HWY_NAMESPACE
