@@ -198,6 +198,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   // Planes are kept for later views of the same volume; of one view that would only take memory and time.
   const bool one_view = o.frames || (o.orbit <= 1 && o.path.empty());
   if (one_view && !o.run.engine.keep) o.run.engine.keep = 0;
+  o.run.engine.encodes_pictures = !o.output.empty();
   launch.check_on_rank_0([&] {
     job.transfer_function.emplace(o.transfer_function, o.colour);
     check_outputs(o);

@@ -72,6 +72,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
     throw InputError("nobody can look at simulated ranks", "use ringsplat render");
   const auto [places, layout] = settle_ranks(o.run, launch);
   job.layout = layout;
+  o.run.engine.encodes_pictures = true;
   launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function, o.colour); });
   find_volumes(job, launch);
   refuse_long_series(job.volumes());

@@ -20,11 +20,13 @@ struct WorkCosts {
   double visible = 0;  ///< a GP, for a visible voxel
   double hollow = 0;   ///< a GP, for any other voxel
   double block = 0;    ///< side of the blocks that voxels travel in, in voxels; 0: they travel alone
-  double picture = 0;  ///< rank 0, for a pixel of the finished picture, which it puts together and hands on
+  double picture = 0;  ///< rank 0, for a pixel of the finished picture, which it puts together
 };
 /// On one core of docs/performance.md.
 inline constexpr WorkCosts usual_splat_costs{54e-9, 1e-9, 3e-6, 12e-9, 0.2e-9, 0, 3e-9},
     usual_sheet_costs{2e-9, 5e-9, 8e-6, 1e-9, 0.1e-9, 8, 3e-9};
+/// What rank 0 spends on a pixel of a picture that it encodes, too.
+inline constexpr double encoding_a_pixel = 17e-9;
 
 /// Pixels that use a block of so many voxels a side; in perspective about the volume's middle.
 glm::dvec2 size_of_block(const FrameGeometry& geometry, double side);

@@ -159,6 +159,8 @@ std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout
                     .skip_empty = !layout.routed(),
                     .timed = timed,
                     .take = std::move(take)};
+  if (options.encodes_pictures)
+    for (WorkCosts* costs : {&setup.splat_costs, &setup.sheet_costs}) costs->picture += encoding_a_pixel;
   std::vector<EngineSetup> others(scene.others.size(), setup);
   for (std::size_t k = 0; k < others.size(); ++k) {
     others[k].sketch = scene.others[k].sketch;

@@ -30,6 +30,8 @@ struct EngineOptions {
   /// MiB of sheets' planes that a Renderer keeps, so that their voxels need not be sent again; without it as
   /// usual_kept_bytes(). The same on every rank.
   std::optional<int> keep = {};
+  /// Rank 0 makes files or messages of pictures meanwhile. The same on every rank.
+  bool encodes_pictures = false;
 
   // What studies of machines put in place of a run's parts (simulate/simulation.hpp); empty: the usual ones.
   std::function<std::unique_ptr<Engine>(EngineSetup setup)> engine = {};
