@@ -15,6 +15,7 @@
 #include "serve/audience.hpp"
 #include "serve/picture_maker.hpp"
 #include "serve/requests.hpp"
+#include "serve/scene_frames.hpp"
 #include "serve/viewer_texts.hpp"
 #include "session/render_frames.hpp"
 
@@ -24,17 +25,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto rest_begins = 150ms;
-
-/// Gives `shown` a channel's function, over its window and in its colour.
-void look_as(const ChannelState& look, const ShownChannel& channel, Shown& shown) {
-  const Shown& own = channel.own.at(shown.mode);
-  shown.transfer_function = own.transfer_function;
-  shown.interpolation = own.interpolation;
-  shown.isovalue = look.window.x;
-  if (look.window != channel.window(shown.mode))
-    stretch(shown.transfer_function, {look.window.x, look.window.y});
-  for (auto& point : shown.transfer_function.colours) point.srgb *= look.colour;
-}
 
 class PageViewer final : public Viewer {
  public:
@@ -180,7 +170,7 @@ class PageViewer final : public Viewer {
 
   void handle(ClientId client, ViewMessage&& view) {
     for (const Level& level : levels_)
-      check_frame(frames_of(view.scene, level).front().spec, options_.volume.grid);
+      check_frame(frames_of(view.scene, level, options_).front().spec, options_.volume.grid);
     const std::lock_guard lock(mutex_);
     if (!audience_.drives(client)) return;
     if (!last_put_ || *last_put_ != view.scene) ++scenes_;
@@ -251,7 +241,7 @@ class PageViewer final : public Viewer {
     }
     not_yet_seen_ = false;
     rendering_ = {next_frame_, view, *level, rests, view.shown.has_value()};
-    return frames_of(view.message.scene, levels_[std::size_t(*level)]);
+    return frames_of(view.message.scene, levels_[std::size_t(*level)], options_);
   }
 
   /// While a series is gone through quickly only the newest view's volume is loaded, but one picture is drawn
@@ -266,7 +256,7 @@ class PageViewer final : public Viewer {
     current_ = std::move(view);
     std::vector<double> costs;
     for (const Level& level : levels_) {
-      const Frames frames = frames_of(current_->message.scene, level);
+      const Frames frames = frames_of(current_->message.scene, level, options_);
       costs.push_back(double(frames.size()) * rough_seconds(frames.front().spec, options_.volume.grid.dims));
     }
     controller_.expect(std::move(costs));
@@ -338,27 +328,9 @@ class PageViewer final : public Viewer {
     woken_ = false;
   }
 
-  /// One of each visible channel. Where none is visible the first is drawn, clear.
-  Frames frames_of(const SceneState& scene, const Level& level) const {
-    FrameSpec frame = options_.frame;
-    frame.shown = scene.shown;
-    frame = at_level(std::move(frame), level);
-    Frames frames;
-    for (std::size_t k = 0; k < scene.channels.size(); ++k) {
-      if (!scene.channels[k].visible) continue;
-      frames.push_back({k, frame});
-      look_as(scene.channels[k], options_.channels[k], frames.back().spec.shown);
-      check(frames.back().spec);
-    }
-    if (!frames.empty()) return frames;
-    if (!scene.channels.empty())
-      for (auto& point : frame.shown.transfer_function.opacities) point.opacity = 0;
-    return {{0, frame}};
-  }
-
   /// Of a file that a page asks for. An error in a frame that is announced would end the job.
   Frames best_frames(const SceneState& scene) const {
-    Frames best = frames_of(scene, levels_.back());
+    Frames best = frames_of(scene, levels_.back(), options_);
     check_frame(best.front().spec, options_.volume.grid);
     return best;
   }

@@ -118,7 +118,6 @@ export class Stage {
     return true;
   }
 
-
   drawNow() {
     const { context, canvas, shown } = this, { camera, background, driving } = this.view();
     context.setTransform(1, 0, 0, 1, 0, 0);
