@@ -235,8 +235,8 @@ ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
   if (first_rank && job.options.frames)
     progress.print(fmt::format(
         "{} volumes, {} to {}; the transfer function {} of the first, {:g} to {:g}, is kept for all", volumes,
-        job.series.front().name, job.series.back().name, frames[0].shown.transfer_function.name, range.low,
-        range.high));
+        job.series.front().full_name(), job.series.back().full_name(), frames[0].shown.transfer_function.name,
+        range.low, range.high));
   progress.begin("rendering", double(views));
   double last_ended = now_seconds();
   FrameSum sum([&](FrameResult&& result, std::size_t view) {

@@ -136,7 +136,7 @@ void part_into_channels(Job& job, const std::string& wanted, Launch& launch) {
     for (const DrawnChannel& channel : job.channels) {
       SeriesEntry& part = parts.emplace_back(entry);
       part.volume.choice.channel = channel.choice;
-      part.name += ", " + channel.name;
+      part.channel = channel.name;
     }
   }
   if (!job.channels.empty()) job.series = std::move(parts);

@@ -225,7 +225,7 @@ Scene SeriesLoader::load(std::size_t k) {
   } catch (const InputError& e) {
     const std::string what = e.what();
     if (job_.series.size() == 1 || what.find(entry.volume.path) != std::string::npos) throw;
-    throw InputError(fmt::format("{}: {}", entry.name, what));
+    throw InputError(fmt::format("{}: {}", entry.full_name(), what));
   }
 }
 
@@ -263,7 +263,7 @@ OpenedVolume SeriesLoader::open_like_the_first(std::size_t k) {
     if (here[fact] != first[fact])
       throw InputError(
           fmt::format("{} has {} {}, but {}, the first, has {}", job_.series[k].volume.path, here[fact].field,
-                      here[fact].value, job_.series.front().name, first[fact].value),
+                      here[fact].value, job_.series.front().full_name(), first[fact].value),
           "the volumes of a series must lie on one grid: render the others by themselves");
   return volume;
 }

@@ -17,7 +17,10 @@ struct Job;
 struct SeriesEntry {
   int number = 0;  ///< of its picture: the one that --frames counts by
   VolumeOptions volume;
-  std::string name;  ///< for people, without folders: "step_0012.nrrd", "film.nii, frame 12"
+  std::string name;     ///< for people, without folders: "step_0012.nrrd", "film.nii, frame 12"
+  std::string channel;  ///< its name, where it is drawn with others
+
+  std::string full_name() const { return channel.empty() ? name : name + ", " + channel; }
 };
 
 /// The files that a pattern means, in order, with the numbers by which --frames counts them: one %d or %04d

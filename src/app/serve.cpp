@@ -165,10 +165,8 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
               ranges_of(scene),
               scene.values.histogram};
   v.frames.clear();
-  for (std::size_t k = 0; k < job.series.size(); k += job.channels_drawn()) {
-    std::string& name = v.frames.emplace_back(job.series[k].name);
-    if (!job.channels.empty()) name.resize(name.size() - job.channels.front().name.size() - 2);
-  }
+  for (std::size_t k = 0; k < job.series.size(); k += job.channels_drawn())
+    v.frames.push_back(job.series[k].name);
   v.frame = o.frame;
   v.initial.shown = o.frame.shown;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
