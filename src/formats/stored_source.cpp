@@ -108,48 +108,6 @@ class StoredSource final : public VolumeSource {
   std::unique_ptr<EncodedBytes> bytes_;
 };
 
-class TransposedSource final : public LayeredSource {
- public:
-  TransposedSource(const Grid& grid, const std::filesystem::path& file, std::uint64_t offset, bool big_endian,
-                   std::uint64_t most_held)
-      : LayeredSource(grid, {file},
-                      {{"encoding", "raw, z fastest"}, {"byte order", big_endian ? "big" : "little"}}, false),
-        file_(file),
-        offset_(offset),
-        big_endian_(big_endian) {
-    require_bytes(file, file_.size(), offset, grid.bytes());
-    set_layer(std::uint64_t(grid.dims.z), most_held);
-  }
-
- private:
-  /// Reads all columns along z within a layer, many at once where they are short.
-  void read_layer(int first, int stop, std::span<std::byte> out) override {
-    const auto size = size_of(grid().type);
-    const auto column = std::uint64_t(grid().dims.z) * size, rows = std::uint64_t(grid().dims.y);
-    const auto columns = std::uint64_t(grid().dims.x) * rows, slice = grid().slice_bytes(Axis::z);
-    constexpr std::uint64_t most_read = 1 << 20;  // bytes at a time
-    const auto step = std::clamp<std::uint64_t>(most_read / column, 1, columns);
-    const auto part = std::size_t(stop - first) * size;  // of a column
-    std::vector<std::byte> window;
-    for (std::uint64_t begin = 0; begin < columns; begin += step) {
-      const auto end = std::min(begin + step, columns);
-      window.resize(std::size_t((end - begin - 1) * column) + part);
-      file_.read(offset_ + begin * column + std::uint64_t(first) * size, window);
-      for (auto at = begin; at < end; ++at) {  // y + dims.y * x
-        const auto* from = window.data() + (at - begin) * column;
-        auto* to = out.data() + (at / rows + at % rows * std::uint64_t(grid().dims.x)) * size;
-        for (int z = first; z < stop; ++z, from += size, to += slice) std::memcpy(to, from, size);
-      }
-    }
-    require_unchanged(file_.path());
-    to_native_order(out, size, big_endian_);
-  }
-
-  InputFile file_;
-  std::uint64_t offset_;
-  bool big_endian_;
-};
-
 class HalfSource final : public ForwardingSource {
  public:
   using ForwardingSource::ForwardingSource;
@@ -229,12 +187,6 @@ std::unique_ptr<VolumeSource> half_source(std::unique_ptr<VolumeSource> halves) 
 
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces) {
   return std::make_unique<StoredSource>(grid, std::move(pieces));
-}
-
-std::unique_ptr<VolumeSource> transposed_source(const Grid& grid, const std::filesystem::path& file,
-                                                std::uint64_t offset, bool big_endian,
-                                                std::uint64_t most_held) {
-  return std::make_unique<TransposedSource>(grid, file, offset, big_endian, most_held);
 }
 
 }  // namespace ringsplat::detail

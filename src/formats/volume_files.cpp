@@ -106,7 +106,8 @@ Facts LayeredSource::facts() const {
   return facts;
 }
 
-void LayeredSource::set_layer(std::uint64_t slices, std::uint64_t most_bytes) {
+void LayeredSource::set_layer(std::uint64_t slices) {
+  constexpr std::uint64_t most_bytes = std::uint64_t{256} << 20;
   const auto depth = std::min<std::uint64_t>(slices, std::uint64_t(grid_.dims.z));
   const std::uint64_t most = std::max<std::uint64_t>(1, most_bytes / grid_.slice_bytes(Axis::z));
   const std::uint64_t parts = (depth + most - 1) / most;

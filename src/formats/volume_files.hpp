@@ -55,9 +55,9 @@ class LayeredSource : public VolumeSource {
   Facts facts() const final;
 
  protected:
-  /// `slices`: that are decoded together, as of a chunk. Layers of more bytes are cut into thinner ones, as
-  /// even as they can be, which keeps memory bounded and decodes chunks once for each of them.
-  void set_layer(std::uint64_t slices, std::uint64_t most_bytes = std::uint64_t{256} << 20);
+  /// `slices`: that are decoded together, as of a chunk. Layers of more than 256 MiB are cut into thinner
+  /// ones, as even as they can be, which keeps memory bounded and decodes chunks once for each of them.
+  void set_layer(std::uint64_t slices);
   /// Throws InputError when a file is no longer what it was when the volume was opened.
   void require_unchanged(const std::filesystem::path& file) const { files_.require_unchanged(file); }
 

@@ -19,7 +19,8 @@ for dtype in ("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", 
     volume = voxels(dtype)
     save(f"numpy_{dtype}", volume, expected=volume, frames=1, channels=1, **PLACE)
     save(f"numpy_{dtype}_big", volume.astype(volume.dtype.newbyteorder(">")), expected=volume)
-    save(f"numpy_{dtype}_fortran", np.asfortranarray(volume), expected=volume, **PLACE)
+    save(f"numpy_{dtype}_fortran", np.asfortranarray(volume), expected=volume.T,
+         direction=[[0, 0, 1], [0, 1, 0], [1, 0, 0]], **PLACE)
 volume = voxels("float16")
 save("numpy_float16", volume, expected=volume.astype("float32"))
 mask = voxels() > 100

@@ -161,14 +161,17 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
   Grid grid;
   grid.dims = axes.dims;
   grid.type = header.type;
+  if (header.fortran_order) {
+    std::swap(grid.dims.x, grid.dims.z);
+    std::swap(grid.direction[0], grid.direction[2]);
+  }
   check_lattice(grid, path.string());
   const auto wide = interleaved_grid(grid, axes.components, path.string());
   StoredVoxels stored{
       .file = path, .offset = header.end, .big_endian = header.big_endian, .type = header.type};
   const int frame = std::clamp(choice.frame.value_or(0), 0, axes.frames - 1);
   stored.choose(wide.bytes(), std::uint64_t(axes.frames), std::uint64_t(frame));
-  auto source = header.fortran_order ? transposed_source(wide, path, header.end, header.big_endian)
-                                     : stored_source(wide, {stored});
+  auto source = stored_source(wide, {stored});
   if (header.half) {
     grid.type = ScalarType::float32;
     source = half_source(std::move(source));
