@@ -10,6 +10,7 @@
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"
 #include "formats/limits.hpp"
+#include "formats/signatures.hpp"
 #include "formats/volume_files.hpp"
 #include "volume/forwarding_source.hpp"
 
@@ -168,15 +169,17 @@ void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> i
 }
 
 void StoredVoxels::choose(std::uint64_t bytes, std::uint64_t count, std::uint64_t index) {
-  const bool compressed = encoding == Encoding::deflate;
-  auto& before = compressed ? skip : offset;
-  const auto total = bytes_of_volumes(file, bytes, count, before);
+  const auto total = bytes_of_volumes(file, bytes, count, before());
   const auto size = InputFile(file).size();
-  if (compressed)
+  if (encoding == Encoding::deflate)
     require_compressed_bytes(file, size, total, deflate_best_ratio);
   else
-    require_bytes(file, size, before, total - before);
-  before += index * bytes;
+    require_bytes(file, size, before(), total - before());
+  before() += index * bytes;
+}
+
+StoredVoxels stored_in(const std::filesystem::path& file) {
+  return {.file = file, .encoding = is_gzip(file) ? Encoding::deflate : Encoding::raw};
 }
 
 std::unique_ptr<VolumeSource> half_source(std::unique_ptr<VolumeSource> halves) {

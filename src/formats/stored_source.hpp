@@ -49,10 +49,15 @@ struct StoredVoxels {
   /// When set, grid.type is float32, or float64 for stored float64.
   std::optional<Rescale> rescale = std::nullopt;
 
+  /// The bytes before the voxels, of what the file holds where it is compressed.
+  std::uint64_t& before() { return encoding == Encoding::deflate ? skip : offset; }
   /// Of `count` volumes of `bytes` bytes, one behind another, makes it the volume `index`. Throws InputError
   /// when the file cannot hold them all.
   void choose(std::uint64_t bytes, std::uint64_t count, std::uint64_t index);
 };
+
+/// Voxels of a file that gzip may have compressed.
+StoredVoxels stored_in(const std::filesystem::path& file);
 
 /// A volume that one file holds, or several behind each other, equally many voxels in each: whole slices,
 /// whole rows of one slice, or a part of a row. Reads uncompressed slices by position (concurrent); decodes

@@ -8,7 +8,6 @@
 #include "formats/encoded_bytes.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
-#include "formats/signatures.hpp"
 #include "formats/stored_source.hpp"
 #include "volume/forwarding_source.hpp"
 
@@ -78,9 +77,9 @@ Grid grid_of(const MrcHeader& header, const std::filesystem::path& path) {
 
 std::unique_ptr<VolumeSource> open_mrc(const std::filesystem::path& path, const VolumeChoice& choice) {
   MrcHeader header;
-  const auto encoding = is_gzip(path) ? Encoding::deflate : Encoding::raw;
+  auto stored = stored_in(path);
   const InputFile file(path);
-  encoded_bytes(file, encoding, 0, file.size())->read(0, header.bytes);
+  encoded_bytes(file, stored.encoding, 0, file.size())->read(0, header.bytes);
   // Some writers leave the stamp of the byte order out; columns are fewer than 2^16.
   header.big_endian = BinaryFields(header.bytes, true).at<unsigned>(0) < header.word<unsigned>(1);
   Grid grid = grid_of(header, path);
@@ -93,8 +92,9 @@ std::unique_ptr<VolumeSource> open_mrc(const std::filesystem::path& path, const 
   if (stack) grid.dims.z = sections;
   check_lattice(grid, path.string());
   if (extended < 0) refuse(path, hint, "its extended header has {} bytes", extended);
-  StoredVoxels stored{.file = path, .encoding = encoding, .big_endian = header.big_endian, .type = grid.type};
-  (encoding == Encoding::raw ? stored.offset : stored.skip) = header.bytes.size() + std::uint64_t(extended);
+  stored.before() = header.bytes.size() + std::uint64_t(extended);
+  stored.big_endian = header.big_endian;
+  stored.type = grid.type;
   const int frame = chosen_frame(choice, frames, "volumes", path.string());
   stored.choose(grid.bytes(), std::uint64_t(frames), std::uint64_t(frame));
   auto source = stored_source(grid, {stored});

@@ -329,10 +329,8 @@ std::filesystem::path voxel_file(const NiftiHeader& header) {
 }
 
 StoredVoxels stored_of(const NiftiHeader& header, ScalarType type) {
-  StoredVoxels stored{.file = voxel_file(header)};
-  const bool gzip = is_gzip(stored.file);
-  if (gzip) stored.encoding = Encoding::deflate;
-  (gzip ? stored.skip : stored.offset) = std::uint64_t(header.offset);
+  auto stored = stored_in(voxel_file(header));
+  stored.before() = std::uint64_t(header.offset);
   stored.big_endian = header.big_endian;
   stored.type = type;
   stored.rescale = rescale_of(header);
