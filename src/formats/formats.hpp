@@ -15,8 +15,6 @@ std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path, const
 std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, const VolumeChoice& choice);
 std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const VolumeChoice& choice);
 std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const VolumeChoice& choice);
-/// Throws: the pieces of a parallel VTK file are files of their own.
-std::unique_ptr<VolumeSource> refuse_pvti(const std::filesystem::path& path, const VolumeChoice& choice);
 /// NumPy arrays: [z][y][x], in C order also with an axis of frames before and one of 1 to 4 components
 /// behind.
 std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const VolumeChoice& choice);

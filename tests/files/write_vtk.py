@@ -1,4 +1,4 @@
-"""VTK: every kind of .vti, and legacy .vtk."""
+"""VTK: every kind of .vti, .pvti, and legacy .vtk."""
 import itertools
 
 import numpy as np
@@ -6,7 +6,8 @@ from cases import FOLDER, case, voxels
 from vtkmodules.util.numpy_support import numpy_to_vtk
 from vtkmodules.vtkCommonDataModel import vtkImageData
 from vtkmodules.vtkIOLegacy import vtkStructuredPointsWriter
-from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
+from vtkmodules.vtkIOParallelXML import vtkXMLPImageDataWriter
+from vtkmodules.vtkIOXML import vtkXMLImageDataReader, vtkXMLImageDataWriter
 
 SPACING = (0.5, 2.0, 3.25)
 ORIGIN = (1.0, -2.0, 3.0)
@@ -117,3 +118,43 @@ for kind in ("ascii", "binary"):
     (writer.SetFileTypeToASCII if kind == "ascii" else writer.SetFileTypeToBinary)()
     assert writer.Write() == 1
     case(f"vtk_legacy_{kind}", f"vtk_legacy_{kind}.vtk", volume, spacing=SPACING, origin=ORIGIN)
+
+
+def write_pieces(name, file, ghosts=None, compressor="none"):
+    """The .vti `file` in pieces: of one file, or of several that share so many layers of cells."""
+    reader = vtkXMLImageDataReader()
+    reader.SetFileName(str(FOLDER / file))
+    writer = vtkXMLImageDataWriter() if ghosts is None else vtkXMLPImageDataWriter()
+    writer.SetFileName(str(FOLDER / name))
+    writer.SetInputConnection(reader.GetOutputPort())
+    writer.SetNumberOfPieces(4)
+    if ghosts is not None:
+        writer.SetStartPiece(0)
+        writer.SetEndPiece(3)
+        writer.SetGhostLevel(ghosts)
+    writer.SetDataModeToAppended()
+    writer.SetEncodeAppendedData(False)
+    (writer.SetCompressorTypeToZLib if compressor == "zlib" else writer.SetCompressorTypeToNone)()
+    assert writer.Write() == 1
+    pieces = (FOLDER / name).read_bytes().count(b"<Piece Extent=")
+    assert pieces == 4, pieces
+
+
+shape = (11, 9, 10)
+volume = voxels("float32", shape)
+image = lattice(volume, first=(2, -1, 0))
+image.GetPointData().SetScalars(array("a", volume))
+write_vti(image, "whole.vti", "appended", "none")
+place = {"spacing": SPACING, "origin": [o + s * n for o, s, n in zip(ORIGIN, SPACING, (2, -1, 0))]}
+for name, how in (("vtk_pieces.vti", {}), ("vtk_pieces_zlib.vti", {"compressor": "zlib"}), ("vtk_files.pvti", {"ghosts": 0}),
+                  ("vtk_files_zlib.pvti", {"ghosts": 0, "compressor": "zlib"}), ("vtk_ghosts.pvti", {"ghosts": 2})):
+    write_pieces(name, "whole.vti", **how)
+    case(name.replace(".", "_"), name, volume, channels=1, **place)
+cells = np.stack([voxels("uint8", shape, seed=n) for n in (1, 2, 3)], axis=-1)
+image = lattice(cells[..., 0], cells=True)
+image.GetCellData().SetVectors(array("v", cells, 3))
+write_vti(image, "whole_cells.vti", "appended", "none")
+for ghosts in (0, 1):
+    write_pieces(f"vtk_cells_{ghosts}.pvti", "whole_cells.vti", ghosts)
+    case(f"vtk_cells_{ghosts}", f"vtk_cells_{ghosts}.pvti", cells[..., 1], channel="1", channels=3,
+         origin=[o + s / 2 for o, s in zip(ORIGIN, SPACING)])

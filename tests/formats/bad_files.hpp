@@ -23,6 +23,12 @@ inline Bad file(const char* what, const char* message, const char* name, const s
   return {what, message, [=](const Folder& f) { return write(f / name, bytes); }, raw};
 }
 
+/// With the first `from` made `to`.
+inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  REQUIRE(text.find(from) != std::string::npos);
+  return text.replace(text.find(from), from.size(), to);
+}
+
 inline std::string complaint_about(const Bad& bad, const Folder& folder) {
   return message_of([&] {
     const auto source = open_volume(bad.make(folder), bad.raw);

@@ -24,11 +24,6 @@ std::string voxels_of(const fs::path& path, const VolumeChoice& choice = {}) {
   return read_all(*open_volume(path, {}, choice));
 }
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  REQUIRE(text.find(from) != std::string::npos);
-  return text.replace(text.find(from), from.size(), to);
-}
-
 /// Every kind of file that VTK writes.
 void for_each_kind(const std::function<void(const Vti&)>& use) {
   for (const auto& [format, encoding] : {std::pair("ascii", "raw"), std::pair("binary", "raw"),
@@ -241,8 +236,14 @@ TEST_CASE("VTK image files that lie about themselves are refused", "[vti][bad]")
       file("overflow", "overflow 64 bits", "a.vti",
            replaced(raw, "Piece Extent=\"0 4 0 3 0 2",
                     "Piece Extent=\"0 2000000000 0 2000000000 0 2000000000")),
-      file("two pieces", "several pieces", "a.vti",
-           replaced(raw, "</Piece>", "</Piece><Piece Extent=\"0 4 0 3 2 3\"/>")),
+      file("a piece without arrays", "has no array 'ct' of Int16 points with 1 numbers", "a.vti",
+           replaced(raw, "</Piece>", "</Piece><Piece Extent=\"0 4 0 3 0 0\"/>")),
+      file("no piece with points", "all its pieces are empty", "a.vti",
+           replaced(replaced(raw, "Piece Extent=\"0 4", "Piece Extent=\"4 0"), "</Piece>",
+                    "</Piece><Piece Extent=\"0 4 0 3 1 0\"/>")),
+      file("an array without a piece", "no Piece", "a.vti",
+           "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1 0 1 0 1\"><PointData><DataArray "
+           "format=\"ascii\">1</DataArray></PointData></ImageData></VTKFile>"),
       file("spacing", "spacing 0 2 3", "a.vti", replaced(raw, "Spacing=\"1", "Spacing=\"0")),
       file("singular direction", "direction matrix is singular", "a.vti",
            replaced(raw, "Spacing", "Direction=\"1 0 0 1 0 0 0 0 1\" Spacing")),
@@ -280,6 +281,5 @@ TEST_CASE("VTK image files that lie about themselves are refused", "[vti][bad]")
       file("short LZMA block", "damaged block, 1 of 4", "a.vti", packed_with("LZMA", 3, 9)),
       file("garbled zlib", "damaged block", "a.vti", garbled("ZLib")),
       file("garbled LZMA", "damaged block", "a.vti", garbled("LZMA")),
-      file("pvti", "several pieces", "a.pvti", "<VTKFile type=\"PImageData\"/>"),
   });
 }

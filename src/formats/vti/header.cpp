@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <initializer_list>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -20,7 +21,8 @@ namespace {
 
 class Parser : XmlReader {
  public:
-  explicit Parser(const std::filesystem::path& path) : file_(path) {}
+  /// `of_pieces`: it may be a .pvti file.
+  Parser(const std::filesystem::path& path, bool of_pieces) : file_(path), of_pieces_(of_pieces) {}
 
   VtiHeader read() {
     const auto problem = parse([this](std::span<std::byte> window) {
@@ -30,15 +32,20 @@ class Parser : XmlReader {
     });
     if (!problem.empty()) fail(problem);
     if (!has_image_) fail("it holds no ImageData");
-    if (pieces_ == 0) fail("its ImageData has no Piece");
-    for (const auto i : appended_) {
-      auto& array = header_.arrays[i];
+    if (header_.pieces.empty()) fail("its ImageData has no Piece");
+    for (const auto& [piece, i] : appended_) {
+      auto& array = header_.pieces[piece].arrays[i];
       if (!done_) fail(fmt::format("the array '{}' is appended, but no data is", excerpt(array.name)));
       if (array.begin > file_.size() - appended_begin_)
         fail(fmt::format("the array '{}' begins behind the end of the file", excerpt(array.name)));
       array.format = appended_format_;
       array.begin += appended_begin_;
       array.end = file_.size();
+    }
+    // A piece by itself counts as the whole.
+    if (header_.pieces.size() == 1 && !of_files_) {
+      header_.first = header_.pieces[0].first;
+      header_.last = header_.pieces[0].last;
     }
     return header_;
   }
@@ -59,11 +66,12 @@ class Parser : XmlReader {
     const std::string within = open_.empty() ? "" : open_.back();
     open_.push_back(name);
     if (within.empty()) return start_file(name, attributes);
-    if (name == "ImageData" && open_.size() == 2) return start_image(attributes);
-    if (name == "Piece" && within == "ImageData") return start_piece(attributes);
+    if (name == kind_ && open_.size() == 2) return start_image(attributes);
+    if (name == "Piece" && within == kind_) return of_files_ ? add_file(attributes) : start_piece(attributes);
     if (name == "PointData" && within == "Piece") header_.point_scalars = text_in(attributes, "Scalars");
     if (name == "CellData" && within == "Piece") header_.cell_scalars = text_in(attributes, "Scalars");
-    if (name == "DataArray" && (within == "PointData" || within == "CellData"))
+    const bool in_piece = !of_files_ && !header_.pieces.empty();
+    if (in_piece && name == "DataArray" && (within == "PointData" || within == "CellData"))
       return start_array(attributes, within == "CellData");
     if (name == "AppendedData" && open_.size() == 2) start_appended(attributes);
   }
@@ -72,8 +80,9 @@ class Parser : XmlReader {
     // An array's keys are elements before or behind its data.
     if (is_inline_ && !has_text_ && open_.back() != "DataArray") inline_begin_ = end();
     if (is_inline_ && open_.back() == "DataArray") {
-      header_.arrays.back().begin = inline_begin_;
-      header_.arrays.back().end = inline_end_.value_or(std::max(inline_begin_, begin()));
+      auto& array = header_.pieces.back().arrays.back();
+      array.begin = inline_begin_;
+      array.end = inline_end_.value_or(std::max(inline_begin_, begin()));
       is_inline_ = false;
     }
     open_.pop_back();
@@ -103,35 +112,37 @@ class Parser : XmlReader {
   }
 
   void start_file(const std::string& name, const Attributes& attributes) {
-    const auto type = text_in(attributes, "type");
+    kind_ = text_in(attributes, "type");
+    of_files_ = of_pieces_ && kind_ == "PImageData";
     if (name != "VTKFile") fail(fmt::format("it is no VTK file, its XML is of '{}'", excerpt(name)));
-    if (type != "ImageData")
-      fail(fmt::format("it holds '{}'", excerpt(type)),
+    if (kind_ != "ImageData" && !of_files_)
+      fail(fmt::format("it holds '{}'", excerpt(kind_)),
            "only ImageData is a volume: resample it to one, in ParaView with Resample To Image");
-    header_.big_endian = one_of<bool>("byte_order", text_in(attributes, "byte_order", "LittleEndian"),
-                                      {{"LittleEndian", false}, {"BigEndian", true}});
-    header_.header_bytes = one_of<int>("header_type", text_in(attributes, "header_type", "UInt32"),
-                                       {{"UInt32", 4}, {"UInt64", 8}});
-    header_.compressor = one_of<Compressor>("compressor", text_in(attributes, "compressor"),
-                                            {{"", Compressor::none},
-                                             {"vtkZLibDataCompressor", Compressor::deflate},
-                                             {"vtkLZ4DataCompressor", Compressor::lz4},
-                                             {"vtkLZMADataCompressor", Compressor::lzma}});
+    plain_.big_endian = one_of<bool>("byte_order", text_in(attributes, "byte_order", "LittleEndian"),
+                                     {{"LittleEndian", false}, {"BigEndian", true}});
+    plain_.header_bytes = one_of<int>("header_type", text_in(attributes, "header_type", "UInt32"),
+                                      {{"UInt32", 4}, {"UInt64", 8}});
+    plain_.compressor = one_of<Compressor>("compressor", text_in(attributes, "compressor"),
+                                           {{"", Compressor::none},
+                                            {"vtkZLibDataCompressor", Compressor::deflate},
+                                            {"vtkLZ4DataCompressor", Compressor::lz4},
+                                            {"vtkLZMADataCompressor", Compressor::lzma}});
   }
 
-  void set_extent(const std::vector<int>& extent) {
-    for (int axis = 0; axis < 3; ++axis) {
-      header_.first[axis] = extent[std::size_t(axis) * 2];
-      header_.last[axis] = extent[std::size_t(axis) * 2 + 1];
-    }
+  /// Leaves points alone where there is no such extent.
+  void read_extent(const Attributes& attributes, const char* key, glm::ivec3& first, glm::ivec3& last) const {
+    const auto extent = numbers<int>(attributes, key, 6);
+    if (extent.empty()) return;
+    first = {extent[0], extent[2], extent[4]};
+    last = {extent[1], extent[3], extent[5]};
   }
 
   void start_image(const Attributes& attributes) {
     if (has_image_) fail("it holds ImageData twice");
     has_image_ = true;
-    const auto extent = numbers<int>(attributes, "WholeExtent", 6);
-    if (extent.empty()) fail("WholeExtent is missing");
-    set_extent(extent);
+    if (!attributes.contains("WholeExtent")) fail("WholeExtent is missing");
+    read_extent(attributes, "WholeExtent", header_.first, header_.last);
+    if (of_files_) header_.ghosts = number_in<int>(text_in(attributes, "GhostLevel", "0")).value_or(0);
     if (const auto o = numbers<double>(attributes, "Origin", 3); !o.empty())
       header_.origin = {o[0], o[1], o[2]};
     if (const auto s = numbers<double>(attributes, "Spacing", 3); !s.empty())
@@ -141,13 +152,29 @@ class Parser : XmlReader {
   }
 
   void start_piece(const Attributes& attributes) {
-    if (++pieces_ > 1)
-      fail("it holds several pieces", "write it in one piece, or load it in ParaView and save it again");
-    if (const auto extent = numbers<int>(attributes, "Extent", 6); !extent.empty()) set_extent(extent);
+    header_.pieces.push_back({file_.path(), header_.first, header_.last, {}});
+    read_extent(attributes, "Extent", header_.pieces.back().first, header_.pieces.back().last);
+  }
+
+  /// Of a .pvti file: the piece is a file of its own, which knows its arrays.
+  void add_file(const Attributes& attributes) {
+    const auto source = text_in(attributes, "Source");
+    if (source.empty()) fail(fmt::format("a Piece has no Source, line {}", line()));
+    const auto path = file_.path().parent_path() / source;
+    auto piece = Parser(path, false).read();
+    auto first = piece.first, last = piece.last;
+    read_extent(attributes, "Extent", first, last);
+    if (first != piece.first || last != piece.last)
+      fail(fmt::format("the extent of its piece {} is not the one in line {}", path.string(), line()));
+    if (header_.pieces.empty()) {
+      header_.point_scalars = piece.point_scalars;
+      header_.cell_scalars = piece.cell_scalars;
+    }
+    std::ranges::move(piece.pieces, std::back_inserter(header_.pieces));
   }
 
   void start_array(const Attributes& attributes, bool of_cells) {
-    VtiArray array;
+    VtiArray array = plain_;
     array.name = text_in(attributes, "Name");
     array.type = text_in(attributes, "type");
     array.of_cells = of_cells;
@@ -167,9 +194,9 @@ class Parser : XmlReader {
       const auto offset = number_in<std::uint64_t>(text_in(attributes, "offset"));
       if (!offset) fail(fmt::format("the array '{}' has no offset", excerpt(array.name)));
       array.begin = *offset;
-      appended_.push_back(header_.arrays.size());
+      appended_.push_back({header_.pieces.size() - 1, header_.pieces.back().arrays.size()});
     }
-    header_.arrays.push_back(std::move(array));
+    header_.pieces.back().arrays.push_back(std::move(array));
   }
 
   /// Behind an underscore; what it is, is no XML.
@@ -188,20 +215,23 @@ class Parser : XmlReader {
   }
 
   InputFile file_;
+  bool of_pieces_, of_files_ = false;
   std::uint64_t read_ = 0;  ///< bytes of the file
   VtiHeader header_;
+  VtiArray plain_;    ///< how the file has binary data
+  std::string kind_;  ///< ImageData or PImageData
   std::vector<std::string> open_;
   bool has_image_ = false, is_inline_ = false, has_text_ = false;
   bool done_ = false;  ///< the appended data is reached
-  int pieces_ = 0;
   std::uint64_t inline_begin_ = 0, appended_begin_ = 0;
   std::optional<std::uint64_t> inline_end_;
   Encoding appended_format_ = Encoding::raw;
-  std::vector<std::size_t> appended_;  ///< arrays that have only their offset yet
+  /// Pieces and their arrays that have only their offset yet.
+  std::vector<std::pair<std::size_t, std::size_t>> appended_;
 };
 
 }  // namespace
 
-VtiHeader read_vti_header(const std::filesystem::path& path) { return Parser(path).read(); }
+VtiHeader read_vti_header(const std::filesystem::path& path) { return Parser(path, true).read(); }
 
 }  // namespace ringsplat::detail

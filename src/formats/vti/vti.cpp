@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <glm/vector_relational.hpp>
 #include <iterator>
 #include <limits>
 #include <span>
@@ -18,6 +19,7 @@
 #include "formats/encoded_bytes.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
+#include "formats/pieces.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/volume_files.hpp"
 #include "formats/vti/header.hpp"
@@ -34,36 +36,38 @@ struct Chosen {
   std::string component;  ///< as --channel has it behind a colon; empty: not chosen
 };
 
-const VtiArray* array_named(const VtiHeader& header, std::string_view name) {
-  for (const auto& array : header.arrays)
+const VtiArray* array_named(const VtiPiece& piece, std::string_view name) {
+  for (const auto& array : piece.arrays)
     if (array.name == name) return &array;
   return nullptr;
 }
 
 /// The active scalars, else the only array.
 const VtiArray* default_array(const VtiHeader& header) {
+  const auto& arrays = header.pieces.front().arrays;
   for (const bool of_cells : {false, true})
-    for (const auto& array : header.arrays)
+    for (const auto& array : arrays)
       if (array.of_cells == of_cells && !array.name.empty() &&
           array.name == (of_cells ? header.cell_scalars : header.point_scalars))
         return &array;
-  return header.arrays.size() == 1 ? &header.arrays.front() : nullptr;
+  return arrays.size() == 1 ? &arrays.front() : nullptr;
 }
 
 /// --channel is an array's name, a component of the default array, or both: NAME:COMPONENT.
 Chosen choose(const VtiHeader& header, const std::string& channel, const std::filesystem::path& path) {
-  const auto* array = channel.empty() ? nullptr : array_named(header, channel);
+  const auto& piece = header.pieces.front();
+  const auto* array = channel.empty() ? nullptr : array_named(piece, channel);
   if (array != nullptr) return {*array, {}};
   const auto colon = channel.rfind(':');
   if (colon != std::string::npos) {
-    array = array_named(header, channel.substr(0, colon));
+    array = array_named(piece, channel.substr(0, colon));
     if (array != nullptr) return {*array, channel.substr(colon + 1)};
   }
   array = default_array(header);
-  const bool component = array != nullptr && (array->components > 1 || header.arrays.size() == 1);
+  const bool component = array != nullptr && (array->components > 1 || piece.arrays.size() == 1);
   if (array != nullptr && (channel.empty() || component)) return {*array, channel};
   std::vector<std::string> names;
-  for (const auto& each : header.arrays) names.push_back(excerpt(each.name));
+  for (const auto& each : piece.arrays) names.push_back(excerpt(each.name));
   if (channel.empty())
     refuse(path, "choose one with --channel: " + comma_list(names), "it holds {} arrays", names.size());
   refuse(path, "its arrays are " + comma_list(names), "--channel {}: it has no such array", channel);
@@ -76,20 +80,30 @@ ScalarType type_of(const VtiArray& array, const std::filesystem::path& path) {
          "voxels of type '{}' cannot be rendered (the array '{}')", excerpt(array.type), excerpt(array.name));
 }
 
-/// Points lie on the lattice, cells between; the lattice's point (0, 0, 0) is at the origin, wherever the
-/// extent begins. A flat volume has one layer of cells.
-Grid grid_of(const VtiHeader& header, const VtiArray& array, const std::filesystem::path& path) {
-  Grid grid;
-  glm::dvec3 first(0);
+/// The points from `first` to `last` along each axis, or the cells between them. A flat volume has one layer
+/// of cells.
+glm::ivec3 sizes_of(const VtiArray& array, const glm::ivec3& first, const glm::ivec3& last,
+                    const std::filesystem::path& path) {
+  glm::ivec3 sizes;
   for (int axis = 0; axis < 3; ++axis) {
-    const auto cells = std::int64_t(header.last[axis]) - header.first[axis];
+    const auto cells = std::int64_t(last[axis]) - first[axis];
     const auto size = array.of_cells ? std::max<std::int64_t>(cells, cells == 0 ? 1 : 0) : cells + 1;
     if (size < 1 || size > std::numeric_limits<int>::max())
-      refuse(path, "the extent must hold a point", "its extent is {} to {} along axis {}", header.first[axis],
-             header.last[axis], axis);
-    grid.dims[axis] = int(size);
-    first[axis] = header.first[axis] + (array.of_cells && cells > 0 ? 0.5 : 0.0);
+      refuse(path, "the extent must hold a point", "its extent is {} to {} along axis {}", first[axis],
+             last[axis], axis);
+    sizes[axis] = int(size);
   }
+  return sizes;
+}
+
+/// Points lie on the lattice, cells between; the lattice's point (0, 0, 0) is at the origin, wherever the
+/// extent begins.
+Grid grid_of(const VtiHeader& header, const VtiArray& array, const std::filesystem::path& path) {
+  Grid grid;
+  grid.dims = sizes_of(array, header.first, header.last, path);
+  glm::dvec3 first(header.first);
+  for (int axis = 0; axis < 3; ++axis)
+    if (array.of_cells && header.last[axis] > header.first[axis]) first[axis] += 0.5;
   grid.spacing = header.spacing;
   grid.direction = header.direction;
   grid.origin = header.origin + header.direction * (header.spacing * first);
@@ -107,15 +121,13 @@ std::uint64_t best_ratio(Compressor compressor) {
 class VtiSource final : public LayeredSource {
  public:
   /// Throws InputError when the array's own sizes are not the grid's, or the file cannot hold them.
-  VtiSource(const Grid& grid, const std::filesystem::path& path, const VtiHeader& header,
-            const VtiArray& array)
+  VtiSource(const Grid& grid, const std::filesystem::path& path, const VtiArray& array)
       : LayeredSource(grid, {path}, {{"encoding", "base64 or compressed"}}, false),
-        header_(header),
         array_(array),
         bytes_(grid.bytes()),
         file_(path) {
     encoded_ = encoded_bytes(file_, array.format, array.begin, array.end);
-    if (header.compressor == Compressor::none)
+    if (array.compressor == Compressor::none)
       read_length();
     else
       read_blocks();
@@ -126,11 +138,11 @@ class VtiSource final : public LayeredSource {
   void read_layer(int z, int, std::span<std::byte> out) override {
     read(std::uint64_t(z) * out.size(), out);
     require_unchanged(file_.path());
-    to_native_order(out, size_of(grid().type), header_.big_endian);
+    to_native_order(out, size_of(grid().type), array_.big_endian);
   }
 
   void read(std::uint64_t offset, std::span<std::byte> out) {
-    if (header_.compressor == Compressor::none) return encoded_->read(begin_ + offset, out);
+    if (array_.compressor == Compressor::none) return encoded_->read(begin_ + offset, out);
     while (!out.empty()) {
       const auto block = std::size_t(offset / block_bytes_);
       hold(block);
@@ -148,21 +160,21 @@ class VtiSource final : public LayeredSource {
   }
 
   std::uint64_t number(std::size_t i) {
-    const auto size = std::size_t(header_.header_bytes);
+    const auto size = std::size_t(array_.header_bytes);
     std::array<std::byte, 8> bytes{};
-    const auto part = std::span(bytes).subspan(header_.big_endian ? 8 - size : 0, size);
+    const auto part = std::span(bytes).subspan(array_.big_endian ? 8 - size : 0, size);
     encoded_->read(std::uint64_t(i) * size, part);
     std::uint64_t value = 0;
-    to_native_order(bytes, 8, header_.big_endian);
+    to_native_order(bytes, 8, array_.big_endian);
     std::memcpy(&value, bytes.data(), sizeof value);
     return value;
   }
 
   void read_length() {
-    begin_ = std::uint64_t(header_.header_bytes);
+    begin_ = std::uint64_t(array_.header_bytes);
     const auto length = number(0);
     // A number of 32 bits is the rest of a longer length.
-    const auto expected = header_.header_bytes == 4 ? bytes_ & 0xFFFFFFFFU : bytes_;
+    const auto expected = array_.header_bytes == 4 ? bytes_ & 0xFFFFFFFFU : bytes_;
     if (length != expected) fail_array(fmt::format("has {} bytes, its extent needs {}", length, bytes_));
     if (encoded_->most() < begin_ || encoded_->most() - begin_ < bytes_)
       require_bytes(file_.path(), encoded_->most(), begin_, bytes_);
@@ -172,7 +184,7 @@ class VtiSource final : public LayeredSource {
   void read_blocks() {
     const auto blocks = number(0), last = number(2);
     block_bytes_ = number(1);
-    const auto size = std::uint64_t(header_.header_bytes);
+    const auto size = std::uint64_t(array_.header_bytes);
     if (blocks == 0 || block_bytes_ == 0 || last > block_bytes_ || blocks > encoded_->most() / size)
       fail_array(fmt::format("has {} blocks of {} bytes", blocks, block_bytes_));
     const auto whole = last == 0 ? blocks : blocks - 1;
@@ -189,7 +201,7 @@ class VtiSource final : public LayeredSource {
       end += packed;
       ends_.push_back(end);
     }
-    require_compressed_bytes(file_.path(), end, bytes_, best_ratio(header_.compressor));
+    require_compressed_bytes(file_.path(), end, bytes_, best_ratio(array_.compressor));
   }
 
   void hold(std::size_t block) {
@@ -199,12 +211,11 @@ class VtiSource final : public LayeredSource {
     packed_.resize(std::size_t(ends_[block] - begin));
     encoded_->read(begin_ + begin, packed_);
     held_.resize(std::size_t(std::min(block_bytes_, bytes_ - std::uint64_t(block) * block_bytes_)));
-    if (!decompress(header_.compressor, packed_, held_))
+    if (!decompress(array_.compressor, packed_, held_))
       fail_array(fmt::format("has a damaged block, {} of {}", block + 1, ends_.size()));
     held_block_ = block;
   }
 
-  VtiHeader header_;
   VtiArray array_;
   std::uint64_t bytes_;
   InputFile file_;
@@ -218,41 +229,80 @@ class VtiSource final : public LayeredSource {
 /// A binary array's voxels: uncompressed appended ones and text are read as other files' are. `grid`:
 /// interleaved components.
 std::unique_ptr<VolumeSource> source_of(const Grid& grid, const std::filesystem::path& path,
-                                        const VtiHeader& header, const VtiArray& array) {
+                                        const VtiArray& array) {
   StoredVoxels stored{.file = path,
                       .offset = array.begin,
                       .encoding = array.format,
                       .end = array.end,
-                      .big_endian = header.big_endian,
+                      .big_endian = array.big_endian,
                       .type = grid.type};
   if (array.format == Encoding::text) return stored_source(grid, {stored});
-  auto source = std::make_unique<VtiSource>(grid, path, header, array);
-  if (array.format == Encoding::base64 || header.compressor != Compressor::none) return source;
+  auto source = std::make_unique<VtiSource>(grid, path, array);
+  if (array.format == Encoding::base64 || array.compressor != Compressor::none) return source;
   stored.offset += source->begin();
   return stored_source(grid, {stored});
+}
+
+/// What another piece has of the array.
+const VtiArray& same_array(const VtiPiece& piece, const VtiArray& array) {
+  for (const auto& other : piece.arrays)
+    if (other.name == array.name && other.of_cells == array.of_cells && other.type == array.type &&
+        other.components == array.components)
+      return other;
+  refuse(piece.file, "write all pieces again, with the same arrays",
+         "a piece has no array '{}' of {} {} with {} numbers each, as others have", excerpt(array.name),
+         excerpt(array.type), array.of_cells ? "cells" : "points", array.components);
+}
+
+/// Of points that several pieces have the last piece along each axis counts.
+VolumePiece piece_of(const VtiHeader& header, const VtiPiece& piece, const VtiArray& array, Grid grid) {
+  const auto own = same_array(piece, array);
+  grid.dims = sizes_of(array, piece.first, piece.last, piece.file);
+  VolumePiece box{.file = piece.file};
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::int64_t first = piece.first[axis], last = piece.last[axis], begin = header.first[axis],
+                       end = header.last[axis];
+    if (first < begin || last > end)
+      refuse(piece.file, "write all pieces again, from one volume",
+             "a piece's extent is {} to {} along axis {}, the whole's {} to {}", first, last, axis, begin,
+             end);
+    // Those at the end, and of a flat volume, have one more.
+    const std::int64_t more = last == end && (!array.of_cells || begin == end) ? 1 : 0;
+    const std::int64_t ghosts = std::clamp<std::int64_t>(header.ghosts, 0, last - first);
+    box.from[axis] = int(first - begin);
+    box.first[axis] = int(first - begin + (first > begin ? ghosts : 0));
+    box.end[axis] = int(last - begin + (last < end ? -ghosts : more));
+  }
+  const int components = array.components;
+  box.from.x *= components, box.first.x *= components, box.end.x *= components;
+  grid = interleaved_grid(grid, components, piece.file.string());
+  box.open = [grid, own, file = piece.file] { return source_of(grid, file, own); };
+  return box;
 }
 
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const VolumeChoice& choice) {
   auto header = read_vti_header(path);
+  const auto is_empty = [](const VtiPiece& piece) {
+    return glm::any(glm::lessThan(piece.last, piece.first));
+  };
+  if (header.pieces.size() > 1) std::erase_if(header.pieces, is_empty);
+  if (header.pieces.empty()) refuse(path, "save the volume again", "all its pieces are empty");
+  auto& arrays = header.pieces.front().arrays;
   // What ParaView hides; not what somebody measured.
-  std::erase_if(header.arrays, [](const VtiArray& array) { return array.name.starts_with("vtkGhost"); });
-  if (header.arrays.empty())
-    refuse(path, "save the volume's scalars, too", "it holds no array of points or cells");
+  std::erase_if(arrays, [](const VtiArray& array) { return array.name.starts_with("vtkGhost"); });
+  if (arrays.empty()) refuse(path, "save the volume's scalars, too", "it holds no array of points or cells");
   const auto [array, component] = choose(header, choice.channel, path);
   const Grid grid = grid_of(header, array, path);
   const int components = array.components;
   const auto wide = interleaved_grid(grid, components, path.string());
-  auto source = channel_source(source_of(wide, path, header, array), grid, components, component,
-                               fmt::format("{}, array '{}'", path.string(), excerpt(array.name)));
-  const auto channels = std::max<std::int64_t>(components, std::int64_t(header.arrays.size()));
+  std::vector<VolumePiece> pieces;
+  for (const auto& piece : header.pieces) pieces.push_back(piece_of(header, piece, array, grid));
+  auto source = channel_source(pieced_source(wide, std::move(pieces), path.string()), grid, components,
+                               component, fmt::format("{}, array '{}'", path.string(), excerpt(array.name)));
+  const auto channels = std::max<std::int64_t>(components, std::int64_t(arrays.size()));
   return with_notes(std::move(source), {.quantity = array.name, .channels = int(channels)});
-}
-
-std::unique_ptr<VolumeSource> refuse_pvti(const std::filesystem::path& path, const VolumeChoice&) {
-  refuse(path, "write the volume into one .vti, or load it in ParaView and save it as one",
-         "a .pvti names the files of several pieces");
 }
 
 }  // namespace ringsplat::detail
