@@ -13,7 +13,7 @@ namespace ringsplat::detail {
 /// becomes where the voxels lie in the file as they are, if they do.
 std::unique_ptr<VolumeSource> read_hdf5(const std::filesystem::path& path, const VolumeChoice& choice,
                                         std::optional<StoredVoxels>& in_place);
-/// One file or a folder of pages.
+/// One TIFF file, or a folder of them or of PNG files.
 std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const VolumeChoice& choice);
 /// A folder's series, or the series of one file.
 std::unique_ptr<VolumeSource> read_dicom(const std::filesystem::path& path, const VolumeChoice& choice);

@@ -46,7 +46,7 @@ struct RawName {
 /// it has no such tag. Throws InputError for an unknown type or a size beyond int.
 std::optional<RawName> parse_raw_name(const std::filesystem::path& path);
 
-/// Throws InputError that says what a folder holds instead of DICOM or TIFF images.
+/// Throws InputError that says what a folder holds instead of DICOM, TIFF or PNG images.
 [[noreturn]] void refuse_without_images(const std::filesystem::path& folder);
 
 }  // namespace ringsplat::detail

@@ -76,7 +76,8 @@ void say_which_frame(const VolumeNotes& notes, const VolumeChoice& choice,
                               path.string(), notes.frames, notes.frames - 1));
 }
 
-/// A folder's volume is a stack of TIFF pages or DICOM images, unless the folder is a format of its own.
+/// A folder's volume is a stack of TIFF pages, of PNG files or of DICOM images, beside which there may be
+/// pictures, unless the folder is a format of its own.
 Open format_of_folder(const std::filesystem::path& folder) {
   const auto has = [&](const char* name) { return std::filesystem::exists(folder / name); };
   if (has("zarr.json") || has(".zarray") || has(".zgroup")) return detail::open_zarr;
@@ -84,9 +85,13 @@ Open format_of_folder(const std::filesystem::path& folder) {
     throw InputError(
         fmt::format("{} is an AMReX plotfile, whose boxes differ in resolution", folder.string()),
         "save one grid of it, for example yt's covering_grid, as a .npy");
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
+  int files = 0, pngs = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (detail::is_tiff(entry.path())) return detail::open_tiff;
-  return detail::open_dicom;
+    pngs += detail::is_png(entry.path());
+    ++files;
+  }
+  return pngs > files / 2 ? detail::open_tiff : detail::open_dicom;
 }
 
 std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, const RawDescription& raw,
@@ -126,8 +131,9 @@ void detail::refuse_without_images(const std::filesystem::path& folder) {
     throw InputError(
         fmt::format("{} holds pictures ({} files, {})", folder.string(), pictures.size(),
                     pictures.begin()->extension().string()),
-        "slices are read from TIFF and DICOM: convert them to .tif, for example with 'mogrify -format tif'");
-  throw InputError(fmt::format("{} holds no DICOM or TIFF images", folder.string()),
+        "slices are read from DICOM, TIFF and PNG: convert them to .tif, for example with 'mogrify -format "
+        "tif', in a folder of their own");
+  throw InputError(fmt::format("{} holds no DICOM, TIFF or PNG images", folder.string()),
                    "give a folder with one series or stack, or a volume file");
 }
 

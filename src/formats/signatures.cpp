@@ -48,4 +48,6 @@ bool is_tiff(const std::filesystem::path& path) {
   return ending == ".tif" || ending == ".tiff";
 }
 
+bool is_png(const std::filesystem::path& path) { return lower_case(path.extension().string()) == ".png"; }
+
 }  // namespace ringsplat::detail

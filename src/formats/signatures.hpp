@@ -19,7 +19,8 @@ std::pair<std::filesystem::path, std::string> split_dataset(const std::filesyste
 /// True when the file has DICOM's four letters behind its preamble.
 bool is_dicom(const std::filesystem::path& path);
 bool is_gzip(const std::filesystem::path& path);
-/// By its ending.
+// By their endings.
 bool is_tiff(const std::filesystem::path& path);
+bool is_png(const std::filesystem::path& path);
 
 }  // namespace ringsplat::detail

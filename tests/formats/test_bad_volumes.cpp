@@ -22,7 +22,7 @@ std::string meta(const std::string& fields, const std::string& data = {}) {
   return "ObjectType = Image\nNDims = 3\n" + fields + data;
 }
 
-fs::path write_tiff(const fs::path& path, int width, int height, int channels, OIIO::TypeDesc type) {
+fs::path write_image(const fs::path& path, int width, int height, int channels, OIIO::TypeDesc type) {
   auto out = OIIO::ImageOutput::create(path.string());
   const std::vector<char> pixels(std::size_t(width * height * channels) * 8);
   out->open(path.string(), OIIO::ImageSpec(width, height, channels, type));
@@ -227,13 +227,13 @@ std::vector<Bad> bad_folders() {
   return {
       {"missing file", "No such file", [](const Folder& f) { return f / "none.nrrd"; }},
       {"missing folder", "No such file", [](const Folder& f) { return f / "none/a.nrrd"; }},
-      {"empty folder", "holds no DICOM or TIFF", [](const Folder& f) { return f.path(); }},
-      {"folder of text", "holds no DICOM or TIFF",
+      {"empty folder", "holds no DICOM, TIFF or PNG", [](const Folder& f) { return f.path(); }},
+      {"folder of text", "holds no DICOM, TIFF or PNG",
        [](const Folder& f) {
          write(f / "readme.txt", "hello");
          return f.path();
        }},
-      {"a folder named like a volume", "holds no DICOM or TIFF",
+      {"a folder named like a volume", "holds no DICOM, TIFF or PNG",
        [](const Folder& f) {
          fs::create_directory(f / "a.nrrd");
          return f / "a.nrrd";
@@ -244,10 +244,29 @@ std::vector<Bad> bad_folders() {
          write(f / "Header", "HyperCLaw-V1.1");
          return f.path();
        }},
-      {"a folder of pictures", "holds pictures (2 files, .png); hint: slices are read from TIFF and DICOM",
+      {"a folder of pictures",
+       "holds pictures (2 files, .jpg); hint: slices are read from DICOM, TIFF and PNG",
        [](const Folder& f) {
-         write(f / "1.png", "x");
-         write(f / "2.PNG", "x");
+         write(f / "1.jpg", "x");
+         write(f / "2.JPG", "x");
+         return f.path();
+       }},
+      {"PNG files that are none", "1.PNG is not a readable image file",
+       [](const Folder& f) {
+         write(f / "1.PNG", "x");
+         write(f / "2.png", "x");
+         return f.path();
+       }},
+      {"PNG files of two sizes", "all slices must have one size",
+       [](const Folder& f) {
+         write_image(f / "1.png", 4, 4, 1, OIIO::TypeDesc::UINT16);
+         write_image(f / "2.png", 4, 5, 1, OIIO::TypeDesc::UINT16);
+         return f.path();
+       }},
+      {"PNG, cut short", "1.png",
+       [](const Folder& f) {
+         const auto bytes = slurp(write_image(f / "1.png", 64, 64, 1, OIIO::TypeDesc::UINT16));
+         write(f / "1.png", bytes.substr(0, bytes.size() - 30));
          return f.path();
        }},
       {"a folder of volumes", "holds volume files (2); hint: name one of them, as ",
@@ -339,16 +358,16 @@ std::vector<Bad> bad_tiffs() {
       file("tiff, prose", "TIFF", "a.tif", "hello"),
       file("tiff, empty", "TIFF", "a.tif", ""),
       {"tiff, vectors", "a vector of 5 numbers",
-       [](const Folder& f) { return write_tiff(f / "a.tif", 4, 4, 5, OIIO::TypeDesc::UINT8); }},
+       [](const Folder& f) { return write_image(f / "a.tif", 4, 4, 5, OIIO::TypeDesc::UINT8); }},
       {"tiff, two sizes", "all slices must have one size",
        [](const Folder& f) {
-         write_tiff(f / "a.tif", 4, 4, 1, OIIO::TypeDesc::UINT8);
-         write_tiff(f / "b.tif", 4, 5, 1, OIIO::TypeDesc::UINT8);
+         write_image(f / "a.tif", 4, 4, 1, OIIO::TypeDesc::UINT8);
+         write_image(f / "b.tif", 4, 5, 1, OIIO::TypeDesc::UINT8);
          return f.path();
        }},
       {"tiff, cut short", "a.tif",
        [](const Folder& f) {
-         const auto bytes = slurp(write_tiff(f / "a.tif", 64, 64, 1, OIIO::TypeDesc::UINT16));
+         const auto bytes = slurp(write_image(f / "a.tif", 64, 64, 1, OIIO::TypeDesc::UINT16));
          return write(f / "a.tif", bytes.substr(0, bytes.size() / 2));
        }},
   };

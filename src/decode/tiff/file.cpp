@@ -12,6 +12,7 @@
 #include "base/input_file.hpp"
 #include "base/text.hpp"
 #include "formats/limits.hpp"
+#include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
@@ -263,7 +264,7 @@ void add_pages(const TiffPages& chain, TiffFile& file) {
   const bool none_else =
       std::all_of(chain.pages.begin(), chain.pages.end(), [](const TiffPage& page) { return page.beside; });
   std::uint64_t bytes = 0;
-  bool compressed = false;
+  bool compressed = is_png(file.path);
   std::size_t index = 0;
   for (; index < chain.pages.size() && image->seek(int(index)); ++index) {
     const TiffPage& page = chain.pages[index];
@@ -335,7 +336,7 @@ std::unique_ptr<ImageFile> open_tiff_image(const std::filesystem::path& path) {
   const InputFile readable(path);
   auto [file, problem] = open_image_file(path);
   if (!file)
-    throw InputError(fmt::format("{} is not a readable TIFF file: {}", path.string(), in_words(problem)),
+    throw InputError(fmt::format("{} is not a readable image file: {}", path.string(), in_words(problem)),
                      "check the file with another viewer");
   return std::move(file);
 }
@@ -348,7 +349,8 @@ std::int64_t TiffFile::slices() const {
 
 TiffFile read_tiff_file(const std::filesystem::path& path) {
   const InputFile input(path);
-  const TiffPages chain = TiffChain(input).pages();
+  TiffPages chain = TiffChain(input).pages();
+  if (is_png(path)) chain.pages.resize(1);
   TiffFile file;
   file.path = path;
   add_pages(chain, file);

@@ -37,7 +37,8 @@ std::unique_ptr<ImageFile> open_tiff_image(const std::filesystem::path& path);
 /// What the library says; of tiles that are larger than any image, why they are not read.
 std::string in_words(const std::string& problem);
 
-/// Throws InputError for a file that is cut short, damaged, or whose pages are no single image.
+/// A PNG file is one page. Throws InputError for a file that is cut short, damaged, or whose pages are no
+/// single image.
 TiffFile read_tiff_file(const std::filesystem::path& path);
 
 }  // namespace ringsplat::detail

@@ -62,8 +62,11 @@ class TiffSource final : public LayeredSource {
 std::vector<std::filesystem::path> files_at(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return {path};
   std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(path))
-    if (is_tiff(entry.path())) files.push_back(entry.path());
+  for (const auto is_slice : {is_tiff, is_png}) {
+    if (!files.empty()) break;
+    for (const auto& entry : std::filesystem::directory_iterator(path))
+      if (is_slice(entry.path())) files.push_back(entry.path());
+  }
   std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
     return naturally_before(a.filename().string(), b.filename().string());
   });
@@ -138,7 +141,7 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
   if constexpr (!RINGSPLAT_WITH_OPENIMAGEIO)
     refuse(path,
            "build it with -DRINGSPLAT_WITH_OPENIMAGEIO=ON, or convert the file to a plain .nrrd or .mha",
-           "TIFF is read by OpenImageIO, which this build does without");
+           "TIFF and PNG are read by OpenImageIO, which this build does without");
   std::optional<TiffFile> first;
   Taken taken;
   std::vector<TiffSlice> slices;
