@@ -22,6 +22,8 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
 std::unique_ptr<VolumeSource> refuse_npz(const std::filesystem::path& path, const VolumeChoice& choice);
 /// MRC2014 and CCP4 maps, compressed by gzip, too.
 std::unique_ptr<VolumeSource> open_mrc(const std::filesystem::path& path, const VolumeChoice& choice);
+/// FreeSurfer's volumes, compressed by gzip or not.
+std::unique_ptr<VolumeSource> open_mgh(const std::filesystem::path& path, const VolumeChoice& choice);
 /// A folder of Zarr or OME-Zarr: an array, an image, whose finest level it opens, or a group that holds one
 /// of these.
 std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const VolumeChoice& choice);

@@ -29,6 +29,7 @@ constexpr std::pair<const char*, Open> formats[] = {
     {".npy", detail::open_npy},
     {".npz", detail::refuse_npz},
     {".dcm", detail::open_dicom},
+    {".mgh .mgz .mgh.gz", detail::open_mgh},
     {".mrc .map .rec .ccp4 .mrc.gz .map.gz", detail::open_mrc},
     {".h5 .hdf5 .he5 .hdf .nc .nc4 .vtkhdf .mnc", detail::open_hdf5}};
 

@@ -1,4 +1,4 @@
-"""nibabel: NIfTI-1 and NIfTI-2, of one and of several volumes."""
+"""nibabel: NIfTI-1, NIfTI-2 and MGH, of one and of several volumes."""
 import nibabel
 import numpy as np
 from cases import FOLDER, case, voxels
@@ -87,3 +87,13 @@ for version, kind in KINDS.items():
     save(kind(rgb, affine()), f"nibabel_{version}_rgb.nii")
     case(f"nibabel_{version}_luminance", f"nibabel_{version}_rgb.nii", luminance, channels=3, **PLACE)
     case(f"nibabel_{version}_red", f"nibabel_{version}_rgb.nii", colours[..., 0], channel="r", **PLACE)
+
+for ending in ("mgh", "mgz"):
+    for dtype in ("uint8", "int16", "int32", "float32"):
+        name, volume = f"mgh_{dtype}_{ending}", voxels(dtype)
+        nibabel.save(nibabel.MGHImage(volume.T, affine()), FOLDER / f"{name}.{ending}")
+        case(name, f"{name}.{ending}", volume, frames=1, channels=1, **PLACE)
+    stack = np.stack([v.T for v in series], axis=-1)
+    nibabel.save(nibabel.MGHImage(stack, affine()), FOLDER / f"mgh_4d.{ending}")
+    case(f"mgh_4d_{ending}_first", f"mgh_4d.{ending}", series[0], frames=3, **PLACE)
+    case(f"mgh_4d_{ending}_last", f"mgh_4d.{ending}", series[2], frame=2, frames=3, **PLACE)
