@@ -30,6 +30,7 @@ constexpr std::pair<const char*, Open> formats[] = {
     {".npz", detail::refuse_npz},
     {".dcm", detail::open_dicom},
     {".mgh .mgz .mgh.gz", detail::open_mgh},
+    {".fits .fit .fts .fits.gz", detail::open_fits},
     {".mrc .map .rec .ccp4 .mrc.gz .map.gz", detail::open_mrc},
     {".h5 .hdf5 .he5 .hdf .nc .nc4 .vtkhdf .mnc", detail::open_hdf5}};
 

@@ -46,7 +46,7 @@ struct StoredVoxels {
   std::uint64_t end = file_end;       ///< the byte of the file that text ends before
   bool big_endian = false;
   ScalarType type = ScalarType::uint8;
-  /// When set, grid.type is float32, or float64 for stored float64.
+  /// When set, grid.type is one that holds what it makes of the values.
   std::optional<Rescale> rescale = std::nullopt;
 
   /// The bytes before the voxels, of what the file holds where it is compressed.
