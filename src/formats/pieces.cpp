@@ -16,12 +16,6 @@ namespace {
 
 constexpr const char* hint = "write all pieces again, from one volume";
 
-bool holds_voxels(const VolumePiece& piece, const Grid& grid) {
-  return glm::all(glm::lessThanEqual(glm::ivec3(0), piece.first)) &&
-         glm::all(glm::lessThan(piece.first, piece.end)) &&
-         glm::all(glm::lessThanEqual(piece.end, grid.dims));
-}
-
 bool overlap(const VolumePiece& a, const VolumePiece& b) {
   return glm::all(glm::lessThan(a.first, b.end)) && glm::all(glm::lessThan(b.first, a.end));
 }
@@ -32,13 +26,11 @@ void require_full(const Grid& grid, const std::vector<VolumePiece>& pieces, cons
   if (pieces.size() > most) refuse(where, "write fewer of them", "it has {} pieces", pieces.size());
   std::int64_t held = 0;
   for (auto piece = pieces.begin(); piece != pieces.end(); ++piece) {
-    if (!holds_voxels(*piece, grid))
-      refuse(where, hint, "the piece {} lies outside of the whole", piece->file.string());
+    const auto size = piece->end - piece->first;
+    held += std::int64_t{size.x} * size.y * size.z;
     for (auto other = piece + 1; other != pieces.end() && other->first.z < piece->end.z; ++other)
       if (overlap(*piece, *other))
         refuse(where, hint, "the pieces {} and {} overlap", piece->file.string(), other->file.string());
-    const auto size = piece->end - piece->first;
-    held += std::int64_t{size.x} * size.y * size.z;
   }
   if (held != grid.voxels())
     refuse(where, hint, "its pieces leave a gap: they hold {} of {} voxels", held, grid.voxels());
@@ -52,25 +44,21 @@ class PiecedSource final : public LayeredSource {
 
  private:
   void read_layer(int z, int, std::span<std::byte> out) override {
+    const auto size = size_of(grid().type), row = std::size_t(grid().dims.x) * size;
     for (const auto& piece : pieces_) {
       if (z < piece.first.z || z >= piece.end.z) continue;
       require_unchanged(piece.file);
-      VolumeSource& source = opened(piece);
+      auto& source = opened(piece);
       slice_.resize(source.grid().slice_bytes(Axis::z));
       source.read_slices(z - piece.from.z, 1, slice_);
       require_unchanged(piece.file);
-      copy(piece, std::size_t(source.grid().dims.x), out);
+      const auto within = piece.first - piece.from;
+      const auto width = std::size_t(source.grid().dims.x) * size;
+      for (int y = piece.first.y; y < piece.end.y; ++y)
+        std::memcpy(out.data() + std::size_t(y) * row + std::size_t(piece.first.x) * size,
+                    slice_.data() + std::size_t(y - piece.from.y) * width + std::size_t(within.x) * size,
+                    std::size_t(piece.end.x - piece.first.x) * size);
     }
-  }
-
-  /// `width`: of the piece's slice.
-  void copy(const VolumePiece& piece, std::size_t width, std::span<std::byte> out) const {
-    const auto size = size_of(grid().type), row = std::size_t(grid().dims.x);
-    const auto within = piece.first - piece.from;
-    for (int y = piece.first.y; y < piece.end.y; ++y)
-      std::memcpy(out.data() + (std::size_t(y) * row + std::size_t(piece.first.x)) * size,
-                  slice_.data() + (std::size_t(y - piece.from.y) * width + std::size_t(within.x)) * size,
-                  std::size_t(piece.end.x - piece.first.x) * size);
   }
 
   VolumeSource& opened(const VolumePiece& piece) {

@@ -12,7 +12,7 @@ namespace ringsplat::detail {
 /// A box of a volume's voxels, which a source of its own holds, and maybe others around them.
 struct VolumePiece {
   std::filesystem::path file;
-  glm::ivec3 first{0}, end{0};  ///< of the box, in the volume
+  glm::ivec3 first{0}, end{0};  ///< of the box, which lies in the volume and is not empty
   glm::ivec3 from{0};           ///< where the source's first voxel lies there
   std::function<std::unique_ptr<VolumeSource>()> open = {};
 };

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
 
 #include "base/log.hpp"
 #include "base/printable.hpp"
@@ -23,13 +22,6 @@ const glm::dvec3 to_lps(-1, -1, 1);
 [[noreturn]] void refuse(const std::string& where, const std::string& what) {
   throw InputError(fmt::format("{}: {}", where, what),
                    "convert it, for example with 'mnc2nii IN.mnc OUT.nii'");
-}
-
-std::vector<std::string> names_in(const std::string& order) {
-  std::vector<std::string> names;
-  std::istringstream words(order);
-  for (std::string name; std::getline(words, name, ',');) names.push_back(trimmed(name));
-  return names;
 }
 
 /// Describes the dimension and returns its direction in the world.
@@ -132,7 +124,9 @@ std::vector<Rescale> rescale_of(hid_t file, hid_t dataset, const std::string& pa
 void describe_minc(hid_t file, hid_t dataset, const std::string& path, const std::string& where,
                    DatasetMeaning& meaning) {
   if (!path.starts_with("/minc-2.0/image/") || !path.ends_with("/image")) return;
-  const auto names = names_in(text_of(dataset, "dimorder").value_or(""));
+  auto order = text_of(dataset, "dimorder").value_or("");
+  std::ranges::replace(order, ',', ' ');
+  const auto names = words_of(order);
   auto& axes = meaning.axes;
   if (names.size() != axes.size())
     refuse(where, fmt::format("its dimorder does not name its {} dimensions", axes.size()));

@@ -23,40 +23,35 @@ namespace {
 
 constexpr std::uint64_t block_bytes = 2880;
 
-/// One header of a file, the cards that have a value ("Definition of the FITS standard", version 4.0).
+/// A header of a file: its cards that have a value ("Definition of the FITS standard", version 4.0).
 class FitsHeader {
  public:
-  /// Reads the one that begins at `begin`.
-  FitsHeader(EncodedBytes& bytes, std::uint64_t begin, std::filesystem::path path)
-      : path_(std::move(path)), end_(begin) {
-    constexpr std::uint64_t most_blocks = 1000;
-    constexpr std::size_t card_bytes = 80;
-    std::string block(block_bytes, ' ');
-    for (bool last = false; !last; end_ += block_bytes) {
-      if (end_ - begin >= most_blocks * block_bytes) fail("a header has no end");
-      bytes.read(end_, std::as_writable_bytes(std::span(block)));
-      if (end_ == 0 && !block.starts_with("SIMPLE  =")) fail("it does not begin as FITS files do");
-      for (std::size_t at = 0; at < block_bytes && !last; at += card_bytes) {
-        last = block.compare(at, 8, "END     ") == 0;
-        if (block.compare(at + 8, 2, "= ") == 0)
-          values_[trimmed(block.substr(at, 8))] = trimmed(block.substr(at + 10, card_bytes - 10));
-      }
+  FitsHeader(EncodedBytes& bytes, std::uint64_t begin, const std::filesystem::path& path)
+      : path_(path), end_(begin) {
+    constexpr std::uint64_t most = 1000 * block_bytes;
+    for (std::string card(80, ' '); !card.starts_with("END     "); end_ += card.size()) {
+      if (end_ - begin > most) fail("a header has no end");
+      bytes.read(end_, std::as_writable_bytes(std::span(card)));
+      if (end_ == 0 && !card.starts_with("SIMPLE  =")) fail("it does not begin as FITS files do");
+      if (card.compare(8, 2, "= ") == 0) values_[trimmed(card.substr(0, 8))] = trimmed(card.substr(10));
     }
+    end_ = (end_ + block_bytes - 1) / block_bytes * block_bytes;
   }
 
   std::uint64_t end() const { return end_; }  ///< where its data begin
   [[noreturn]] void fail(const std::string& what, const char* hint = "write it with astropy") const {
     refuse(path_, hint, "{}", what);
   }
-
-  /// Between quotes.
+  /// Between quotes, or before a comment; empty when it is missing.
   std::string text(const std::string& key) const {
-    const auto value = has(key) ? values_.at(key) : "";
-    return value.starts_with('\'') ? trimmed(value.substr(1, value.find('\'', 1) - 1)) : "";
+    const auto found = values_.find(key);
+    const auto value = found == values_.end() ? std::string() : found->second;
+    const bool quoted = value.starts_with('\'');
+    return trimmed(quoted ? value.substr(1, value.find('\'', 1) - 1) : value.substr(0, value.find('/')));
   }
   double real(const std::string& key, double otherwise) const {
-    if (!has(key)) return otherwise;
-    auto value = trimmed(values_.at(key).substr(0, values_.at(key).find('/')));
+    auto value = text(key);
+    if (value.empty()) return otherwise;
     std::ranges::replace(value, 'D', 'E');  // of Fortran
     const auto number = number_in<double>(value);
     if (!number || !std::isfinite(*number)) fail(fmt::format("{} is '{}'", key, excerpt(value)));
@@ -68,8 +63,6 @@ class FitsHeader {
       fail(fmt::format("{} is {}", key, number));
     return int(number);
   }
-  bool has(const std::string& key) const { return values_.contains(key); }
-
   std::vector<int> sizes() const {
     std::vector<int> sizes(std::size_t(std::min(whole("NAXIS", 0, 0), 999)));
     for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = whole(fmt::format("NAXIS{}", k + 1), 0, 0);
@@ -77,9 +70,8 @@ class FitsHeader {
   }
   /// Where the next header begins.
   std::uint64_t next() const {
-    const auto all = sizes();
-    auto bytes = std::uint64_t(all.empty() ? 0 : std::abs(whole("BITPIX", -64, 8)) / 8);
-    for (const int size : all) bytes = bytes_of_volumes(path_, bytes, std::uint64_t(size));
+    auto bytes = std::uint64_t(sizes().empty() ? 0 : std::abs(whole("BITPIX", -64, 8)) / 8);
+    for (const int size : sizes()) bytes = bytes_of_volumes(path_, bytes, std::uint64_t(size));
     bytes = bytes_of_volumes(path_, bytes, std::uint64_t(whole("GCOUNT", 0, 1)),
                              std::uint64_t(whole("PCOUNT", 0, 0)));
     return bytes_of_volumes(path_, 1, bytes, end_ + block_bytes - 1) / block_bytes * block_bytes;
@@ -94,8 +86,9 @@ class FitsHeader {
 /// Skips what is no image of at least three axes.
 FitsHeader find_image(EncodedBytes& bytes, const std::filesystem::path& path) {
   FitsHeader header(bytes, 0, path);
-  while (header.sizes().size() < 3 || (header.has("XTENSION") && header.text("XTENSION") != "IMAGE")) {
-    if (header.has("ZIMAGE")) header.fail("its image is compressed in tiles", "decompress it with funpack");
+  while (header.sizes().size() < 3 || (header.text("XTENSION") != "" && header.text("XTENSION") != "IMAGE")) {
+    if (header.text("ZIMAGE") == "T")
+      header.fail("its image is compressed in tiles", "decompress it with funpack");
     if (header.next() >= bytes.most()) header.fail("it holds no image of three axes");
     header = FitsHeader(bytes, header.next(), path);
   }
@@ -174,7 +167,7 @@ std::unique_ptr<VolumeSource> open_fits(const std::filesystem::path& path, const
     grid.type = type_of(stored.type, rescale);
   }
   VolumeNotes notes{.unit = unit, .quantity = header.text("BUNIT"), .frames = int(frames)};
-  if (header.has("BLANK")) notes.fill = rescale.slope * header.real("BLANK", 0) + rescale.intercept;
+  if (!header.text("BLANK").empty()) notes.fill = rescale.slope * header.real("BLANK", 0) + rescale.intercept;
   return with_notes(stored_source(grid, {stored}), notes);
 }
 

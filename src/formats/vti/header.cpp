@@ -160,12 +160,7 @@ class Parser : XmlReader {
   void add_file(const Attributes& attributes) {
     const auto source = text_in(attributes, "Source");
     if (source.empty()) fail(fmt::format("a Piece has no Source, line {}", line()));
-    const auto path = file_.path().parent_path() / source;
-    auto piece = Parser(path, false).read();
-    auto first = piece.first, last = piece.last;
-    read_extent(attributes, "Extent", first, last);
-    if (first != piece.first || last != piece.last)
-      fail(fmt::format("the extent of its piece {} is not the one in line {}", path.string(), line()));
+    auto piece = Parser(file_.path().parent_path() / source, false).read();
     if (header_.pieces.empty()) {
       header_.point_scalars = piece.point_scalars;
       header_.cell_scalars = piece.cell_scalars;

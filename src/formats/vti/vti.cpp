@@ -6,6 +6,7 @@
 #include <glm/vector_relational.hpp>
 #include <iterator>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -15,6 +16,7 @@
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"
 #include "base/text.hpp"
+#include "formats/binary_fields.hpp"
 #include "formats/channels.hpp"
 #include "formats/encoded_bytes.hpp"
 #include "formats/formats.hpp"
@@ -116,13 +118,13 @@ std::uint64_t best_ratio(Compressor compressor) {
   return compressor == Compressor::lzma ? any_best_ratio : deflate_best_ratio;  // LZ4's is 255
 }
 
-/// An array behind its numbers: a length, or the sizes of compressed blocks. Decoded in order, a block at a
-/// time.
+/// An array behind its numbers: a length, or the sizes of compressed blocks, which are decoded one at a time;
+/// those in base64 in order.
 class VtiSource final : public LayeredSource {
  public:
   /// Throws InputError when the array's own sizes are not the grid's, or the file cannot hold them.
   VtiSource(const Grid& grid, const std::filesystem::path& path, const VtiArray& array)
-      : LayeredSource(grid, {path}, {{"encoding", "base64 or compressed"}}, false),
+      : LayeredSource(grid, {path}, {{"encoding", "base64 or compressed"}}, array.format == Encoding::raw),
         array_(array),
         bytes_(grid.bytes()),
         file_(path) {
@@ -162,12 +164,9 @@ class VtiSource final : public LayeredSource {
   std::uint64_t number(std::size_t i) {
     const auto size = std::size_t(array_.header_bytes);
     std::array<std::byte, 8> bytes{};
-    const auto part = std::span(bytes).subspan(array_.big_endian ? 8 - size : 0, size);
-    encoded_->read(std::uint64_t(i) * size, part);
-    std::uint64_t value = 0;
-    to_native_order(bytes, 8, array_.big_endian);
-    std::memcpy(&value, bytes.data(), sizeof value);
-    return value;
+    encoded_->read(std::uint64_t(i) * size, std::span(bytes).first(size));
+    const BinaryFields fields(bytes, array_.big_endian);
+    return size == 4 ? fields.at<std::uint32_t>(0) : fields.at<std::uint64_t>(0);
   }
 
   void read_length() {
@@ -254,8 +253,10 @@ const VtiArray& same_array(const VtiPiece& piece, const VtiArray& array) {
          excerpt(array.type), array.of_cells ? "cells" : "points", array.components);
 }
 
-/// Of points that several pieces have the last piece along each axis counts.
-VolumePiece piece_of(const VtiHeader& header, const VtiPiece& piece, const VtiArray& array, Grid grid) {
+/// Of points that several pieces have the last piece along each axis counts. Nothing where none is left.
+std::optional<VolumePiece> piece_of(const VtiHeader& header, const VtiPiece& piece, const VtiArray& array,
+                                    Grid grid) {
+  if (!glm::all(glm::lessThanEqual(piece.first, piece.last))) return {};
   const auto own = same_array(piece, array);
   grid.dims = sizes_of(array, piece.first, piece.last, piece.file);
   VolumePiece box{.file = piece.file};
@@ -272,6 +273,7 @@ VolumePiece piece_of(const VtiHeader& header, const VtiPiece& piece, const VtiAr
     box.from[axis] = int(first - begin);
     box.first[axis] = int(first - begin + (first > begin ? ghosts : 0));
     box.end[axis] = int(last - begin + (last < end ? -ghosts : more));
+    if (box.first[axis] >= box.end[axis]) return {};
   }
   const int components = array.components;
   box.from.x *= components, box.first.x *= components, box.end.x *= components;
@@ -284,11 +286,6 @@ VolumePiece piece_of(const VtiHeader& header, const VtiPiece& piece, const VtiAr
 
 std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const VolumeChoice& choice) {
   auto header = read_vti_header(path);
-  const auto is_empty = [](const VtiPiece& piece) {
-    return glm::any(glm::lessThan(piece.last, piece.first));
-  };
-  if (header.pieces.size() > 1) std::erase_if(header.pieces, is_empty);
-  if (header.pieces.empty()) refuse(path, "save the volume again", "all its pieces are empty");
   auto& arrays = header.pieces.front().arrays;
   // What ParaView hides; not what somebody measured.
   std::erase_if(arrays, [](const VtiArray& array) { return array.name.starts_with("vtkGhost"); });
@@ -298,7 +295,8 @@ std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const 
   const int components = array.components;
   const auto wide = interleaved_grid(grid, components, path.string());
   std::vector<VolumePiece> pieces;
-  for (const auto& piece : header.pieces) pieces.push_back(piece_of(header, piece, array, grid));
+  for (const auto& piece : header.pieces)
+    if (auto box = piece_of(header, piece, array, grid)) pieces.push_back(std::move(*box));
   auto source = channel_source(pieced_source(wide, std::move(pieces), path.string()), grid, components,
                                component, fmt::format("{}, array '{}'", path.string(), excerpt(array.name)));
   const auto channels = std::max<std::int64_t>(components, std::int64_t(arrays.size()));
