@@ -78,6 +78,19 @@ std::vector<Input> slices(const Input& all) {
   return pages;
 }
 
+/// Of 16 bits, rows without a filter (PNG, third edition).
+Input png(const Input& pixels) {
+  const auto chunk = [](const Input& data) {
+    const auto sum = crc32(0, reinterpret_cast<const Bytef*>(data.data()), uInt(data.size()));
+    return bytes_of(std::uint32_t(data.size() - 4), true) + data + bytes_of(std::uint32_t(sum), true);
+  };
+  Input rows;
+  for (std::size_t at = 0; at < pixels.size(); at += 2 * nx) rows += '\0' + pixels.substr(at, 2 * nx);
+  return "\x89PNG\r\n\x1a\n" +
+         chunk("IHDR" + bytes_of(nx, true) + bytes_of(ny, true) + Input("\x10\0\0\0\0", 5)) +
+         chunk("IDAT" + zlib_stream(rows)) + chunk("IEND");
+}
+
 }  // namespace
 
 std::vector<Input> tiff_seeds() {
@@ -100,9 +113,10 @@ std::vector<Input> tiff_seeds() {
       "ImageJ=1.53t\nimages=3\nchannels=1\nslices=1\nframes=3\nhyperstack=true\nunit=\\u00B5m\nspacing=2\n";
   behind.description = "ImageJ=1.53t\nimages=2\nslices=2\n";
   behind.pages.resize(1);
-  return {ome.bytes(),      image_j.bytes(), behind.bytes() + samples<short>(),
-          little.bytes(),   big.bytes(),     floats.bytes(),
-          deflated.bytes(), packed.bytes(),  tiles.bytes()};
+  return {ome.bytes(),       image_j.bytes(),  behind.bytes() + samples<short>(),
+          little.bytes(),    big.bytes(),      floats.bytes(),
+          png(big.pages[0]), deflated.bytes(), packed.bytes(),
+          tiles.bytes()};
 }
 
 }  // namespace ringsplat::fuzz

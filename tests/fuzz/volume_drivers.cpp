@@ -7,7 +7,9 @@
 #include <tuple>
 
 #include "formats/files.hpp"
+#include "formats/fits.hpp"
 #include "formats/formats.hpp"
+#include "formats/mgh.hpp"
 #include "formats/nifti2.hpp"
 #include "formats/npy.hpp"
 #include "formats/vti.hpp"
@@ -47,6 +49,14 @@ void use(VolumeSource& source, std::uint64_t available, std::uint64_t ratio) {
 
 bool contains(std::string_view text, std::string_view part) { return text.find(part) != text.npos; }
 
+/// The sample volume's points from slice z to the next.
+Vti vti_piece(int z) {
+  Vti piece;
+  piece.extent = piece.piece = fmt::format("0 4 0 3 {} {}", z, z + 1);
+  piece.arrays = {{"a", "Int16", samples<short>().substr(std::size_t(z) * 40, 80)}};
+  return piece;
+}
+
 /// The folder of headers and the files that they name.
 const fs::path& folder_of_volumes() {
   static const fs::path folder = [] {
@@ -59,6 +69,7 @@ const fs::path& folder_of_volumes() {
     write(path / "a.img", little);
     for (int z = 0; z < nz; ++z)
       write(path / fmt::format("s{}.bin", z), little.substr(std::size_t(z) * 40, 40));
+    for (const int z : {0, 1}) write(path / fmt::format("p{}.vti", z), vti_piece(z).file());
     return path;
   }();
   return folder;
@@ -249,12 +260,31 @@ std::vector<Input> vti_seeds() {
   cells.arrays = {{"rgb", "UInt8", samples<std::uint8_t>(), 3, true}};
   cells.cell_scalars = "rgb";
   seeds.push_back(cells.file());
+  seeds.push_back(
+      "<VTKFile type=\"ImageData\"><ImageData WholeExtent=\"0 1 0 0 0 2\"><Piece Extent=\"0 1 0 0 0 1\">"
+      "<PointData><DataArray type=\"Int8\" Name=\"a\">1 2 3 4</DataArray></PointData></Piece><Piece "
+      "Extent=\"0 1 0 "
+      "0 1 2\"><PointData><DataArray type=\"Int8\" Name=\"a\">3 4 5 "
+      "6</DataArray></PointData></Piece></ImageData>"
+      "</VTKFile>");
+  seeds.push_back(
+      "<VTKFile type=\"PImageData\"><PImageData WholeExtent=\"0 4 0 3 0 2\" GhostLevel=\"0\"><Piece "
+      "Extent=\"0 4 0 3 "
+      "0 1\" Source=\"p0.vti\"/><Piece Extent=\"0 4 0 3 1 2\" Source=\"p1.vti\"/></PImageData></VTKFile>");
   return seeds;
 }
 
-void run_vti(std::span<const std::byte> input) { open_and_use("a.vti", input, any_ratio); }
+void run_vti(std::span<const std::byte> input) {
+  open_and_use(contains(text_of(input), "PImageData") ? "a.pvti" : "a.vti", input, any_ratio);
+}
 
-void run_tiff(std::span<const std::byte> input) { open_and_use("a.tif", input, any_ratio); }
+void run_tiff(std::span<const std::byte> input) {
+  if (!text_of(input).starts_with("\x89PNG")) return open_and_use("a.tif", input, any_ratio);
+  const fs::path folder = folder_of_volumes() / "png";
+  fs::create_directories(folder);
+  write(folder / "1.png", std::string(text_of(input)));
+  use(*open_volume(folder), input.size(), any_ratio);
+}
 
 void run_hdf5(std::span<const std::byte> input) { open_and_use("a.h5", input, any_ratio); }
 
@@ -283,6 +313,37 @@ std::vector<Input> mrc_seeds() {
 
 void run_mrc(std::span<const std::byte> input) {
   open_and_use(text_of(input).starts_with("\x1f\x8b") ? "a.map.gz" : "a.mrc", input, 2 * deflate_ratio);
+}
+
+std::vector<Input> mgh_seeds() {
+  folder_of_volumes();
+  Mgh bytes, nowhere;
+  bytes.type = 0;
+  bytes.sizes = {nx, ny, 1, nz};
+  nowhere.has_place = false;
+  return {Mgh().header() + samples<short>(true), bytes.header() + samples<std::uint8_t>(),
+          gzip(nowhere.header() + samples<short>(true))};
+}
+
+void run_mgh(std::span<const std::byte> input) {
+  open_and_use(text_of(input).starts_with("\x1f\x8b") ? "a.mgz" : "a.mgh", input);
+}
+
+std::vector<Input> fits_seeds() {
+  folder_of_volumes();
+  const auto big = samples<short>(true);
+  const std::map<std::string, std::string> lengths{
+      {"CUNIT1", "'kpc'"}, {"CUNIT2", "'kpc'"}, {"CUNIT3", "'kpc'"}, {"CDELT1", "2"},
+      {"CDELT2", "-1D0"},  {"CRPIX3", "1"},     {"BLANK", "7"}};
+  return {fits_cube(16, lengths) + big, fits_cube(16, {{"BZERO", "32768"}, {"BSCALE", "1"}}) + big,
+          fits_cube(-32, {{"NAXIS", "4"}, {"NAXIS4", "1"}}) + samples<float>(true),
+          fits({{"NAXIS", "0"}}) + fits_cube(8, {{"PCOUNT", "0"}}, "XTENSION= 'IMAGE   '") +
+              samples<std::uint8_t>(),
+          gzip(fits_cube(16) + big)};
+}
+
+void run_fits(std::span<const std::byte> input) {
+  open_and_use(text_of(input).starts_with("\x1f\x8b") ? "a.fits.gz" : "a.fits", input, 2 * deflate_ratio);
 }
 
 /// Parts: an array's metadata, what its group or its attributes say, and the bytes of each chunk.
@@ -461,7 +522,7 @@ const Words vti_words{
     "</Piece>", "PointData", "CellData", "Scalars=\"", "<DataArray ", "type=\"UInt8\"", "Float64", "Int64", "format=\"",
     "ascii", "binary", "appended", "offset=\"", "NumberOfComponents=\"3\"", "encoding=\"base64\"", "raw",
     "compressor=\"vtkZLibDataCompressor\"", "vtkLZ4DataCompressor", "vtkLZMADataCompressor", "header_type=\"UInt64\"",
-    "byte_order=\"BigEndian\"", "<AppendedData ", "_", "<!DOCTYPE x [<!ENTITY a \"b\">]>", "&a;", "<!-- -->", "<![CDATA["};
+    "PImageData", "GhostLevel=\"1\"", "Source=\"p0.vti\"", "byte_order=\"BigEndian\"", "<AppendedData ", "_", "<!DOCTYPE x [<!ENTITY a \"b\">]>", "&a;", "<!-- -->", "<![CDATA["};
 const Words npy_words{
     "\x93NUMPY", "{", "}", "'descr': ", "'fortran_order': ", "True", "False", "'shape': ", "(", ")", ",", ", }", "<f4",
     ">f8", "|u1", "<i8", "|O", "<f2", "=i4", "3L", "(3, 4, 5, 1)", "4294967296", "2147483647"};
@@ -473,6 +534,9 @@ const Words zarr_words{
     "NaN", "-Infinity", "0x7fc00000", "codecs", "bytes", "transpose", "order", "blosc", "zstd", "gzip", "lz4", "crc32c",
     "sharding_indexed", "index_codecs", "index_location", "start", "float16", "float64", "int64", "uint64", "bool", "<f4", "|u1", "<i8",
     "dimension_names", "axes", "channel", "time", "\"t\"", "\"c\"", "datasets", "path", "..", "scale", "translation", "ome", "null"};
+const Words fits_words{
+    "SIMPLE  = T", "END     ", "BITPIX  = ", "NAXIS   = ", "NAXIS1  = ", "NAXIS4  = ", "BSCALE  = ", "BZERO   = ", "BLANK   = ",
+    "XTENSION= 'IMAGE   '", "'BINTABLE'", "PCOUNT  = ", "GCOUNT  = ", "CUNIT1  = 'm'", "CDELT1  = ", "-32", "-64", "2147483647", "/"};
 const Words raw_words{
     "dims=", "type=", "endian=", "offset=", "spacing=", "big", "little", "uint8", "float", "float64", "5x4x3",
     "_5x4x3_int16.raw", "1x1x1", "x"};
@@ -495,6 +559,8 @@ std::vector<Driver> volume_drivers() {
           {"npy", run_npy, npy_seeds, npy_words, 6000},
           {"hdf5", run_hdf5, hdf5_seeds, hdf5_words, 800},
           {"mrc", run_mrc, mrc_seeds, {"MAP ", "IMOD", "DD\x11\x11", "\x1f\x8b"}, 6000},
+          {"mgh", run_mgh, mgh_seeds, {"\x1f\x8b", std::string_view("\0\0\0\1", 4), "\x7f\xc0"}, 6000},
+          {"fits", run_fits, fits_seeds, fits_words, 6000},
           {"zarr", run_zarr, zarr_seeds, zarr_words, 400},
           {"raw", run_raw, raw_seeds, raw_words, 1500}};
 }
