@@ -22,8 +22,8 @@ ScalarType parse_type(const std::string& text, const std::string&) { return scal
 void add_volume_options(OptionList& list, VolumeOptions& o) {
   list.below("Volume") += {
       {"volume", "VOLUME", nullptr,
-       "NRRD, MetaImage, NIfTI, HDF5 (FILE:/DATASET), VTK, NumPy, MRC, TIFF or raw file, or a folder: Zarr, "
-       "a DICOM series or TIFF pages",
+       "NRRD, MetaImage, NIfTI, MGH, HDF5 (FILE:/DATASET), VTK, NumPy, MRC, FITS, TIFF or raw file, or a "
+       "folder: Zarr, a DICOM series, TIFF or PNG files",
        value(o.path), Mark::of_program},
       {"--frame", "N", nullptr, "Of a file with several time points the one to take, from 0",
        value(o.choice.frame, {.least = 0})},

@@ -32,17 +32,12 @@ struct VolumeChoice {
   std::optional<double> memory = std::nullopt;
 };
 
-/// Opens NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI-1 and -2 (.nii, .nii.gz, .img/.hdr), a DICOM
-/// folder (or one file of a series, whatever its ending), TIFF (one multi-page file or a folder of pages),
-/// VTK (.vtk, .vti), NumPy (.npy), MRC (.mrc, .map and others), HDF5 (.h5, .nc and others, or any ending),
-/// Zarr and OME-Zarr (folders) or a raw file. "file.h5:/path/to/dataset" names one of an HDF5 file's
-/// datasets; netCDF-4, VTKHDF's ImageData and openPMD are HDF5, and their coordinates are followed. For files
-/// that describe themselves only `raw.spacing` may be given; it replaces theirs.
+/// Opens a file or a folder of one of the formats in docs/volumes.md, by its ending or its first bytes, or a
+/// raw file. "file.h5:/path/to/dataset" names one of an HDF5 file's datasets. For files that describe
+/// themselves only `raw.spacing` may be given; it replaces theirs.
 ///
-/// World coordinates are ITK's: patient left-posterior-superior if the file tells the orientation (DICOM;
-/// NIfTI, converted from right-anterior-superior; NRRD with a `space`; MetaImage); a microscope's for TIFF
-/// and OME-Zarr: columns along x, rows along -z, slices along y; the file's x, y and z for HDF5 (longitude,
-/// latitude and height upwards) and VTK; else the lattice's own axes (plain spacings, raw, NumPy).
+/// World coordinates are a patient's as ITK has them (left, posterior, superior), a microscope's, or the
+/// file's x, y and z; docs/volumes.md has which.
 ///
 /// Whole slices are decoded one after another, without holding the volume, except for the frames of a
 /// multi-frame DICOM file.
