@@ -138,7 +138,7 @@ class VtiSource final : public LayeredSource {
   std::uint64_t begin() const { return begin_; }  ///< of the voxels, behind the numbers
  private:
   void read_layer(int z, int, std::span<std::byte> out) override {
-    read(std::uint64_t(z) * out.size(), out);
+    read(std::uint64_t(z) * grid().slice_bytes(Axis::z), out);
     require_unchanged(file_.path());
     to_native_order(out, size_of(grid().type), array_.big_endian);
   }
@@ -201,6 +201,7 @@ class VtiSource final : public LayeredSource {
       ends_.push_back(end);
     }
     require_compressed_bytes(file_.path(), end, bytes_, best_ratio(array_.compressor));
+    set_layer(std::max<std::uint64_t>(1, block_bytes_ / grid().slice_bytes(Axis::z)));
   }
 
   void hold(std::size_t block) {
