@@ -110,8 +110,8 @@ std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, c
   if (detail::is_dicom(path)) return open_described(path, detail::open_dicom, raw, choice);
   throw InputError(
       fmt::format("{} has no ending of a known volume format", path.string()),
-      "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .vti .tif .dcm .h5 .nc .npy .mrc .raw or a folder, or "
-      "describe a raw file with --dims and --type");
+      "use .nrrd .nhdr .mha .mhd .nii .nii.gz .mgz .vtk .vti .tif .dcm .h5 .nc .npy .mrc .fits .raw or a "
+      "folder, or describe a raw file with --dims and --type");
 }
 
 }  // namespace
