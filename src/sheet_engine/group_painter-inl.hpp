@@ -30,7 +30,7 @@ struct AnySlab {
 template <class Rays>
 struct SheetPixels : TilePixels<Rays> {
   static constexpr int none = -1 << 20;
-  F place;                                  ///< of the last sheet's values
+  F number;                                 ///< at the last sheet
   Gradient gradient;                        ///< at the last sheet
   int sheet = none, gradient_sheet = none;  ///< the steps of these last sheets
 };
@@ -67,10 +67,11 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
  private:
   /// A tile in the current slab.
   struct Work {
-    std::array<F, Traversal::most_slabs + 1> place;
+    std::array<F, Traversal::most_slabs + 1> number;
     std::array<typename Sampler::Sheet, Traversal::most_slabs + 1> sheet;  ///< from 1 on
     typename Sampler::Plane front, back;
     Corner corner;
+    F low, high;  ///< of the numbers
     M visible, split;
     Entry whole;
     bool at_faces, cut;
@@ -156,40 +157,62 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
       w.cut = some_miss || this->leaves(all, one_voxel / 2 - 1);
       w.front = Sampler::plane(slab_->front, p_.pitch, w.corner);
       w.back = Sampler::plane(slab_->back, p_.pitch, w.corner);
-      w.place[0] = kind.nearest                 ? voxel_place(kind, s, w, 0)
-                   : s.sheet == slab_->step - 1 ? s.place
-                                                : front_place(s, w);
-      F low = w.place[0], high = w.place[0];
+      w.number[0] = kind.nearest                 ? voxel_number(kind, s, w, 0)
+                    : s.sheet == slab_->step - 1 ? s.number
+                                                 : front_number(s, w);
       for (int i = 1; i <= pieces; ++i) {
         w.sheet[std::size_t(i)] = sheet_at(s, w.at_faces, i, w.corner);
-        w.place[std::size_t(i)] =
-            kind.nearest ? voxel_place(kind, s, w, std::min(i, pieces - 1)) : sheet_place(kind, w, i);
-        low = min(low, w.place[std::size_t(i)]);
-        high = max(high, w.place[std::size_t(i)]);
+        w.number[std::size_t(i)] =
+            kind.nearest ? voxel_number(kind, s, w, std::min(i, pieces - 1)) : sheet_number(kind, w, i);
       }
-      s.place = w.place[std::size_t(pieces)];
+      find_range(kind, w);
+      s.number = w.number[std::size_t(pieces)];
       s.sheet = slab_->step;
-      w.visible = both(alive, may_show(low, high));
+      w.visible = both(alive, may_show(w));
       list_[kept] = t;
       kept += any(w.visible) ? 1 : 0;
     }
     count_ = kept;
   }
 
-  HWY_INLINE F front_place(const State& s, const Work& w) const {
-    return place_of(Sampler::value(w.front, sheet_at(s, w.at_faces, 0, w.corner), p_.pitch));
+  HWY_INLINE F front_number(const State& s, const Work& w) const {
+    return Sampler::value(w.front, sheet_at(s, w.at_faces, 0, w.corner), p_.pitch);
   }
 
-  HWY_INLINE F sheet_place(auto kind, const Work& w, int i) const {
+  HWY_INLINE F sheet_number(auto kind, const Work& w, int i) const {
     const auto& sheet = w.sheet[std::size_t(i)];
-    return place_of(i == kind.pieces
-                        ? Sampler::value(w.back, sheet, p_.pitch)
-                        : Sampler::value_between(w.front, w.back, sheet, i, kind.pieces, p_.pitch));
+    return i == kind.pieces ? Sampler::value(w.back, sheet, p_.pitch)
+                            : Sampler::value_between(w.front, w.back, sheet, i, kind.pieces, p_.pitch);
+  }
+
+  static HWY_INLINE M known(F number) { return equal(number, number); }
+
+  /// What is not a number counts as less than all numbers.
+  HWY_INLINE void find_range(auto kind, Work& w) const {
+    for (int i = 0; i <= kind.pieces; ++i) {
+      F number = w.number[std::size_t(i)];
+      if (p_.floats) number = choose(known(number), number, set(no_number));
+      w.low = i == 0 ? number : min(w.low, number);
+      w.high = i == 0 ? number : max(w.high, number);
+    }
+  }
+
+  /// What the values between two sheets are on average above the line between their ends, if they lie on a
+  /// parabola: a twelfth of its second difference, which is that at the sheets beside them.
+  HWY_INLINE F bulge(auto kind, const Work& w, int i) const {
+    const auto bend = [&](int j) HWY_ATTR {
+      const F here = w.number[std::size_t(j)];
+      return sub(add(here, here), add(w.number[std::size_t(j - 1)], w.number[std::size_t(j + 1)]));
+    };
+    const int first = std::max(i, 1), last = std::min(i + 1, kind.pieces - 1);
+    const F bulge =
+        first == last ? mul(set(1.0F / 12), bend(first)) : mul(set(1.0F / 24), add(bend(first), bend(last)));
+    return p_.floats ? only(greater(w.low, set(no_number)), bulge) : bulge;
   }
 
   /// Of the voxel that is nearest to the middle of piece i; of two the one with the greater number, although
   /// positions are rounded down.
-  HWY_NOINLINE F voxel_place(auto kind, const State& s, const Work& w, int i) const {
+  HWY_NOINLINE F voxel_number(auto kind, const State& s, const Work& w, int i) const {
     const Position from = rays_.at(s.ray, i), to = rays_.at(s.ray, i + 1);
     constexpr std::int32_t rounding = 1;
     const auto nearest = [&](I a, I b, std::int32_t most) HWY_ATTR {
@@ -198,9 +221,13 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
     };
     const auto sheet =
         Sampler::sheet(nearest(from.u, to.u, most_u()), nearest(from.v, to.v, most_v()), p_.pitch, w.corner);
-    return place_of(Sampler::voxel(2 * i < kind.pieces ? w.front : w.back, sheet));
+    return Sampler::voxel(2 * i < kind.pieces ? w.front : w.back, sheet);
   }
 
+  HWY_INLINE M may_show(const Work& w) const {
+    const M shows = may_show(place_of(w.low), place_of(w.high));
+    return p_.floats ? both(shows, greater(w.high, set(no_number))) : shows;
+  }
   HWY_INLINE M may_show(F low, F high) const {
     const PlaceMap& map = p_.places;
     M shows = both(greater(high, set(map.visible_low)), greater(set(map.visible_high), low));
@@ -226,7 +253,8 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
       Work& w = work_[t];
       w.split = w.visible;
       if (may_be_whole) {
-        w.whole = Look(p_.table, entry_of(w.place[0]), entry_of(w.place[std::size_t(kind.pieces)]));
+        w.whole = Look(p_.table, entry_of(place_of(w.number[0])),
+                       entry_of(place_of(w.number[std::size_t(kind.pieces)])));
         w.split = but_not(w.visible, single_slab_serves(kind, s, w));
       }
       if (any(w.split))
@@ -254,14 +282,15 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
   /// How far the values between the slices are from a straight line, in table entries.
   HWY_INLINE F bend_of(auto kind, const Work& w) const {
     const int pieces = kind.pieces;
+    const float entries = p_.places.scale;
     if (pieces == 2)
-      return mul(set(0.5F), abs(sub(add(w.place[1], w.place[1]), add(w.place[0], w.place[2]))));
-    const F first = w.place[0],
-            step = mul(sub(w.place[std::size_t(pieces)], first), set(1.0F / float(pieces)));
+      return mul(set(0.5F * entries), abs(sub(add(w.number[1], w.number[1]), add(w.number[0], w.number[2]))));
+    const F first = w.number[0],
+            step = mul(sub(w.number[std::size_t(pieces)], first), set(1.0F / float(pieces)));
     F most = set(0.0F);
     for (int i = 1; i < pieces; ++i)
-      most = max(most, abs(sub(w.place[std::size_t(i)], fma(set(float(i)), step, first))));
-    return most;
+      most = max(most, abs(sub(w.number[std::size_t(i)], fma(set(float(i)), step, first))));
+    return mul(most, set(entries));
   }
 
   HWY_INLINE M in_box(const State& s, int i) const {
@@ -338,20 +367,28 @@ class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
       const auto front = std::size_t(i), back = front + 1;
       const bool may_be_whole = i == 0 && pieces > 1 && !kind.face && !kind.nearest;
       M here = i == 0 ? w.visible : w.split;
-      if (kind.nearest) here = both(here, may_show(w.place[front], w.place[front]));
-      const F end = may_be_whole   ? choose(w.split, w.place[back], w.place[std::size_t(pieces)])
-                    : kind.nearest ? w.place[front]
-                                   : w.place[back];
+      F begin = w.number[front], end = w.number[kind.nearest ? front : back];
+      if (pieces > 1 && !kind.face && !kind.nearest) {
+        const F more = bulge(kind, w, i);
+        begin = min(max(add(begin, more), w.low), w.high);
+        end = min(max(add(end, more), w.low), w.high);
+      }
+      begin = place_of(begin);
+      end = place_of(end);
+      if (kind.nearest) here = both(here, may_show(begin, begin));
+      if (may_be_whole) {
+        begin = choose(w.split, begin, place_of(w.number[0]));
+        end = choose(w.split, end, place_of(w.number[std::size_t(pieces)]));
+      }
       // A ValueTable is one row.
-      const I row = kind.nearest ? set_int(0) : entry_of(w.place[front]);
+      const I row = kind.nearest ? set_int(0) : entry_of(begin);
       const TableSlab slab = Unpack(Look(p_.table, row, entry_of(end)));
-      F opacity = p_.depths == nullptr ? slab.opacity : OpacityBetween(p_, w.place[front], end);
+      F opacity = p_.depths == nullptr ? slab.opacity : OpacityBetween(p_, begin, end);
       if (!Rays::same_lengths || w.cut || kind.face)
         opacity = Shortened(opacity, length_in_box(kind, s, w, i));
       if (may_be_whole) opacity = choose(w.split, opacity, whole_opacity(kind, s, slab));
       opacity = only(here, opacity);
-      if (p_.floats)
-        opacity = only(both(greater(w.place[front], set(no_place)), greater(end, set(no_place))), opacity);
+      if (p_.floats) opacity = only(both(known(w.number[front]), known(w.number[back])), opacity);
       Reflected light = unlit();
       if (is_lit) {
         Gradient change = difference(gradients[back], gradients[front]);

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
@@ -58,6 +59,8 @@ struct SheetRays {
 
 /// Before all places of an axis: that of values that are not a number.
 inline constexpr float no_place = -1e9F;
+/// Before all numbers of planes.
+inline constexpr float no_number = -std::numeric_limits<float>::max();
 
 /// A table's axis, what is transparent of it, and how planes' numbers become places.
 struct PlaceMap {

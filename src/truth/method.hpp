@@ -34,6 +34,10 @@ ScreenBounds splat_method_bounds(const Scene& scene);
 /// sheet in a slice only that slice counts.
 ///
 /// Between two sheets the value is linear: integrate_slab() gives opacity, colour, centroid t and spread d.
+/// From slice to slice the field along a ray bends, so where q > 1 both ends are first moved by what the
+/// parabolas through a slab's sheets and the next ones are on average beside the line, -D/12 of the second
+/// differences D at both ends (at the slices: of the other end), but not beyond the values of the q + 1
+/// sheets; not where one of these is none.
 /// Where the ray enters or leaves the box through its sides, only part p of a slab lies inside: its
 /// opacity becomes 1 − (1 − a)^p, while colour, t and d stay the whole slab's. The light of a slab is taken
 /// at t, or is the mean of that at t − d and at t + d (moved into [0, 1]), with gradients interpolated

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -50,8 +51,8 @@ class SheetTracer : Tracer {
       : Tracer(scene),
         traversal_(choose_traversal(rays_.view(), lattice_of(scene.grid), SliceRule::most_crossed)),
         axis_(int(traversal_.axis)),
-        places_(sheet_places(scene.grid.dims[axis_], traversal_.slabs_for(scene.frame.as<Sheets>().slabs),
-                             scene.nearest())),
+        slabs_(traversal_.slabs_for(scene.frame.as<Sheets>().slabs)),
+        places_(sheet_places(scene.grid.dims[axis_], slabs_, scene.nearest())),
         gradients_(scene) {}
 
   Rgba along(Pixel pixel) const {
@@ -71,7 +72,7 @@ class SheetTracer : Tracer {
       if (!front) front = sheet(ray, first);
       Sheet back = sheet(ray, second);
       if (scene_.nearest()) front->value = back.value = value_between(ray, front->z, back.z);
-      add_slab(ray, *front, back, part, seen);
+      add_slab(ray, *front, back, ends(ray, std::min(first, second), *front, back), part, seen);
       front = std::move(back);
     }
     seen.w = 1 - seen.w;
@@ -121,6 +122,32 @@ class SheetTracer : Tracer {
     return values ? std::optional(values->low) : std::nullopt;
   }
 
+  struct Ends {
+    std::optional<double> front, back;
+  };
+
+  /// Of slab `index`: its sheets' values and what its values are on average above the line between them, by
+  /// the parabolas through the sheets beside it, but within the values of all sheets from slice to slice.
+  Ends ends(const LatticeRay& ray, int index, const Sheet& front, const Sheet& back) const {
+    const SheetPlace& at = places_[std::size_t(index)];
+    if (slabs_ == 1 || scene_.nearest() || at.z < 0 || at.z >= scene_.grid.dims[axis_] - 1)
+      return {front.value, back.value};
+    const int slab = int(std::lround(at.share * slabs_));
+    std::array<double, Traversal::most_slabs + 1> values{};
+    for (int k = 0; k <= slabs_; ++k) {
+      const auto value = sheet(ray, index - slab + k).value;
+      if (!value) return {front.value, back.value};
+      values[std::size_t(k)] = *value;
+    }
+    const auto bend = [&values](int k) {
+      const double* v = &values[std::size_t(k)];
+      return v[-1] - 2 * v[0] + v[1];
+    };
+    const double more = -(bend(std::max(slab, 1)) + bend(std::min(slab + 1, slabs_ - 1))) / 24;
+    const auto [low, high] = std::minmax_element(values.begin(), values.begin() + slabs_ + 1);
+    return {std::clamp(*front.value + more, *low, *high), std::clamp(*back.value + more, *low, *high)};
+  }
+
   const glm::dvec3& normal(Sheet& sheet) const {
     if (!sheet.normal) sheet.normal = trilinear(cell_normals(gradients_, sheet.cell), sheet.place);
     return *sheet.normal;
@@ -136,13 +163,14 @@ class SheetTracer : Tracer {
     return {0.5 * (near.scale + far.scale), 0.5 * (near.highlight + far.highlight)};
   }
 
-  void add_slab(const LatticeRay& ray, Sheet& front, Sheet& back, double part, Rgba& seen) const {
-    if (!front.value || !back.value) return;
-    const auto [low, high] = std::minmax({*front.value, *back.value});
+  void add_slab(const LatticeRay& ray, Sheet& front, Sheet& back, const Ends& ends, double part,
+                Rgba& seen) const {
+    if (!ends.front || !ends.back) return;
+    const auto [low, high] = std::minmax({*ends.front, *ends.back});
     if (!curve_.visible(low, high)) return;
     const double slice = scene_.frame.shown.opacity_correction ? 1 / std::abs(ray.step[axis_]) : 1.0;
     const SlabIntegral slab =
-        integrate_slab(curve_, *front.value, *back.value, slice * std::abs(back.z - front.z));
+        integrate_slab(curve_, *ends.front, *ends.back, slice * std::abs(back.z - front.z));
     if (!(slab.opacity > 0)) return;
     const double opacity =
         part < 1 && slab.opacity < 1 ? -std::expm1(part * std::log1p(-slab.opacity)) : slab.opacity;
@@ -152,7 +180,7 @@ class SheetTracer : Tracer {
   }
 
   Traversal traversal_;
-  int axis_;
+  int axis_, slabs_;
   std::vector<SheetPlace> places_;
   Gradients gradients_;
 };
