@@ -45,8 +45,8 @@ ScreenBounds splat_method_bounds(const Scene& scene);
 /// slices' plane has its warp as an error.
 ///
 /// Where values are the nearest voxel's, q is rounded up to an even number and the outermost half slices have
-/// q/2 slabs. Both sheets of a slab then have the value of the voxel that is nearest to the middle between
-/// them.
+/// q/2 slabs. Each slab is cut at the voxels' faces, where the value changes; t and d are then a part's place
+/// in the slab.
 std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> pixels);
 
 /// What the frame's method draws, without the renderer's arithmetic: the truth of splats or of sheets, which

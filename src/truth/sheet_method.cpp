@@ -64,15 +64,17 @@ class SheetTracer : Tracer {
     for (int step = 0; step < slabs; ++step) {
       const int first = traversal_.ascending ? step : slabs - step,
                 second = traversal_.ascending ? step + 1 : slabs - step - 1;
-      const double part = part_inside(ray, first, second);
-      if (!(part > 0)) {
+      const Share inside = share_inside(ray, first, second);
+      if (!(inside.size() > 0)) {
         front.reset();
         continue;
       }
       if (!front) front = sheet(ray, first);
       Sheet back = sheet(ray, second);
-      if (scene_.nearest()) front->value = back.value = value_between(ray, front->z, back.z);
-      add_slab(ray, *front, back, ends(ray, std::min(first, second), *front, back), part, seen);
+      if (scene_.nearest())
+        add_voxels(ray, *front, back, inside, seen);
+      else
+        add_slab(ray, *front, back, ends(ray, std::min(first, second), *front, back), inside.size(), seen);
       front = std::move(back);
     }
     seen.w = 1 - seen.w;
@@ -93,13 +95,13 @@ class SheetTracer : Tracer {
     return ray.at((z - ray.origin[axis_]) / ray.step[axis_]);
   }
 
-  double part_inside(const LatticeRay& ray, int first, int second) const {
+  Share share_inside(const LatticeRay& ray, int first, int second) const {
     const glm::dvec3 a = meets(ray, places_[std::size_t(first)].z),
                      b = meets(ray, places_[std::size_t(second)].z);
     const auto [u, v] = in_plane(traversal_.axis);
     Share share;
     for (const int k : {u, v}) share.clip(a[k], b[k], -0.5, scene_.grid.dims[k] - 0.5);
-    return share.size();
+    return share;
   }
 
   Sheet sheet(const LatticeRay& ray, int index) const {
@@ -115,13 +117,6 @@ class SheetTracer : Tracer {
     return sheet;
   }
 
-  /// That of the voxel nearest to the middle between two sheets.
-  std::optional<double> value_between(const LatticeRay& ray, double front, double back) const {
-    const glm::ivec3 voxel = nearest_voxel(meets(ray, 0.5 * (front + back)), scene_.grid.dims);
-    const auto values = cell_values(scene_, curve_, {voxel, voxel});
-    return values ? std::optional(values->low) : std::nullopt;
-  }
-
   struct Ends {
     std::optional<double> front, back;
   };
@@ -130,8 +125,7 @@ class SheetTracer : Tracer {
   /// the parabolas through the sheets beside it, but within the values of all sheets from slice to slice.
   Ends ends(const LatticeRay& ray, int index, const Sheet& front, const Sheet& back) const {
     const SheetPlace& at = places_[std::size_t(index)];
-    if (slabs_ == 1 || scene_.nearest() || at.z < 0 || at.z >= scene_.grid.dims[axis_] - 1)
-      return {front.value, back.value};
+    if (slabs_ == 1 || at.z < 0 || at.z >= scene_.grid.dims[axis_] - 1) return {front.value, back.value};
     const int slab = int(std::lround(at.share * slabs_));
     std::array<double, Traversal::most_slabs + 1> values{};
     for (int k = 0; k <= slabs_; ++k) {
@@ -168,12 +162,58 @@ class SheetTracer : Tracer {
     if (!ends.front || !ends.back) return;
     const auto [low, high] = std::minmax({*ends.front, *ends.back});
     if (!curve_.visible(low, high)) return;
-    const double slice = scene_.frame.shown.opacity_correction ? 1 / std::abs(ray.step[axis_]) : 1.0;
-    const SlabIntegral slab =
-        integrate_slab(curve_, *ends.front, *ends.back, slice * std::abs(back.z - front.z));
-    if (!(slab.opacity > 0)) return;
+    const SlabIntegral slab = integrate_slab(curve_, *ends.front, *ends.back, length(ray, front, back));
     const double opacity =
         part < 1 && slab.opacity < 1 ? -std::expm1(part * std::log1p(-slab.opacity)) : slab.opacity;
+    composite(ray, slab, opacity, front, back, seen);
+  }
+
+  /// Of nearest values, a slab's voxels one by one; neighbours of one value are one.
+  void add_voxels(const LatticeRay& ray, Sheet& front, Sheet& back, const Share& inside, Rgba& seen) const {
+    const std::vector<double> faces = faces_between(ray, front, back, inside);
+    for (std::size_t i = 0, next; i + 1 < faces.size(); i = next) {
+      const auto value = value_between(ray, front, back, faces[i], faces[i + 1]);
+      for (next = i + 1; next + 1 < faces.size(); ++next)
+        if (value_between(ray, front, back, faces[next], faces[next + 1]) != value) break;
+      const double from = faces[i], part = faces[next] - from;
+      if (!value) continue;
+      SlabIntegral slab = integrate_slab(curve_, *value, *value, part * length(ray, front, back));
+      slab.centroid = from + part * slab.centroid;
+      slab.spread *= part;
+      composite(ray, slab, slab.opacity, front, back, seen);
+    }
+  }
+
+  /// Where the way between two sheets goes from voxel to voxel, and its ends.
+  std::vector<double> faces_between(const LatticeRay& ray, const Sheet& front, const Sheet& back,
+                                    const Share& inside) const {
+    const glm::dvec3 a = meets(ray, front.z), b = meets(ray, back.z);
+    std::vector<double> faces{inside.first, inside.last};
+    const auto [u, v] = in_plane(traversal_.axis);
+    for (const int k : {u, v})
+      for (double face = std::ceil(std::min(a[k], b[k]) - 0.5) + 0.5; face < std::max(a[k], b[k]); ++face)
+        faces.push_back(std::clamp((face - a[k]) / (b[k] - a[k]), inside.first, inside.last));
+    std::ranges::sort(faces);
+    return faces;
+  }
+
+  /// That of the voxel half-way between two shares of the way between two sheets.
+  std::optional<double> value_between(const LatticeRay& ray, const Sheet& front, const Sheet& back,
+                                      double from, double to) const {
+    const glm::dvec3 middle = glm::mix(meets(ray, front.z), meets(ray, back.z), 0.5 * (from + to));
+    const glm::ivec3 voxel = nearest_voxel(middle, scene_.grid.dims);
+    const auto values = cell_values(scene_, curve_, {voxel, voxel});
+    return values ? std::optional(values->low) : std::nullopt;
+  }
+
+  double length(const LatticeRay& ray, const Sheet& front, const Sheet& back) const {
+    const double slice = scene_.frame.shown.opacity_correction ? 1 / std::abs(ray.step[axis_]) : 1.0;
+    return slice * std::abs(back.z - front.z);
+  }
+
+  void composite(const LatticeRay& ray, const SlabIntegral& slab, double opacity, Sheet& front, Sheet& back,
+                 Rgba& seen) const {
+    if (!(opacity > 0)) return;
     const glm::dvec3 colour = light(slab, front, back, ray.to_viewer).on(slab.colour);
     for (int c = 0; c < 3; ++c) seen[c] += seen.w * opacity * colour[c];
     seen.w *= 1 - opacity;

@@ -150,17 +150,15 @@ TEST_CASE("an opaque slab shows the colour at its front, and hides what is behin
   CHECK(slab.spread == Approx(0.0).margin(1e-6));
 }
 
-TEST_CASE("the error of sheets against the field falls to a quarter when slabs are doubled") {
+TEST_CASE("the error of sheets against the field falls to a fourth and further when slabs are doubled") {
   for (const Camera& camera : {oblique, Camera{.azimuth = 70, .elevation = 35}}) {
     const Volume volume = sample_field(24, lumps_in_ball);
     double error[3];
     for (int i = 0; i < 3; ++i) error[i] = error_to_field(volume, sheets_spec(steep(), 64, camera, 1 << i));
     INFO(fmt::format("{:.3g} {:.3g} {:.3g}", error[0], error[1], error[2]));
     CHECK(error[0] > 1e-4);
-    CHECK(error[0] / error[1] > 3);
-    CHECK(error[0] / error[1] < 5);
-    CHECK(error[1] / error[2] > 3);
-    CHECK(error[1] / error[2] < 5);
+    CHECK(error[0] / error[1] > 5);
+    CHECK(error[1] / error[2] > 4);
   }
 }
 

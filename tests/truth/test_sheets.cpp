@@ -68,9 +68,9 @@ TEST_CASE("the head's pictures are their method's, and near the field, whatever 
     Shading shading;
     double field;
   } const cases[] = {{"mr-soft", Shading::phong, 0.4},
-                     {"mr-soft", Shading::none, 0.17},
+                     {"mr-soft", Shading::none, 0.13},
                      {"mr-surface", Shading::phong, 0.7},
-                     {"mr-surface", Shading::none, 0.45}};
+                     {"mr-surface", Shading::none, 0.4}};
   const Camera views[] = {
       {.azimuth = 20, .elevation = 10}, {.azimuth = 70, .elevation = 20}, {.elevation = 65}};
   for (const auto& [preset, shading, bound] : cases)
@@ -163,7 +163,8 @@ TEST_CASE("more slabs come nearer to the field by the second power") {
         volume, sheets_spec(head_preset("mr-soft"), Shading::none, {.slabs = slabs, .adaptive = false},
                             {.azimuth = 20, .elevation = 10}, 160));
     UNSCOPED_INFO(fmt::format("{} slabs: {:.4f}", slabs, error));
-    if (last > 0) CHECK(error < 0.45 * last);
+    constexpr double of_tables = 0.055;
+    if (last > 0) CHECK(error < std::max(0.45 * last, of_tables));
     last = error;
   }
 }
@@ -231,11 +232,11 @@ TEST_CASE("labels keep their values between voxels, whatever their numbers, and 
                      {ScalarType::float32, {-3, 1, 250, 4000, 60000}}};
   struct {
     Camera camera;
-    double field;
-  } const views[] = {{{}, 0.1},
-                     {{.azimuth = 20, .elevation = 10}, 2},
-                     {{.azimuth = 45, .elevation = 35}, 7},
-                     {{.azimuth = 30, .elevation = 20, .fov = 50}, 3.2}};
+    double lit_field;
+  } const views[] = {{{}, 0.15},
+                     {{.azimuth = 20, .elevation = 10}, 0.4},
+                     {{.azimuth = 45, .elevation = 35}, 1.0},
+                     {{.azimuth = 30, .elevation = 20, .fov = 50}, 0.8}};
   for (const auto& [type, labels] : cases) {
     const Volume volume = pieces(type, labels);
     std::vector<double> ascending = labels;
@@ -248,7 +249,7 @@ TEST_CASE("labels keep their values between voxels, whatever their numbers, and 
         UNSCOPED_INFO(fmt::format("{}, azimuth {}, {}: method {:.3f}, field {:.3f}", to_string(type),
                                   camera.azimuth, shading == Shading::none ? "unlit" : "lit", method, field));
         CHECK(method < 0.1);
-        CHECK(field < bound);
+        CHECK(field < (shading == Shading::none ? 0.1 : bound));
       }
   }
 }
