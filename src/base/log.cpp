@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <mutex>
 #include <set>
-#include <utility>
 
 #include "base/lack_of_memory.hpp"
 #include "base/printable.hpp"

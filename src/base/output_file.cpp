@@ -13,10 +13,7 @@
 #include <cstdio>
 #include <mutex>
 #include <set>
-#include <string>
-#include <string_view>
 #include <system_error>
-#include <utility>
 
 #include "base/log.hpp"
 #include "ringsplat/base/error.hpp"

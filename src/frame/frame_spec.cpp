@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdint>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <type_traits>
 #include <utility>
-#include <variant>
 
 #include "base/archive.hpp"
 #include "frame/frame_fields.hpp"

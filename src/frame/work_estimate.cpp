@@ -1,7 +1,6 @@
 #include "frame/work_estimate.hpp"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <glm/common.hpp>

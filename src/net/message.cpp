@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
-
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <string>
 
 #include "options/method_options.hpp"
 #include "options/option_values.hpp"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <string_view>
 
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"

@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 #include <numeric>
-#include <string_view>
 #include <utility>
 
 #include "base/hex_colour.hpp"

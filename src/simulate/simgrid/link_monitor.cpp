@@ -4,7 +4,6 @@
 #include <smpi/smpi.h>
 #include <simgrid/kernel/resource/Action.hpp>
 #include <simgrid/kernel/resource/NetworkModelIntf.hpp>
-#include <simgrid/s4u.hpp>
 
 #include <algorithm>
 #include <cstring>
