@@ -21,9 +21,8 @@
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "serve/movie.hpp"
-#include "session/director.hpp"
+#include "session/render_frames.hpp"
 #include "study/error_budget.hpp"
-#include "study/measured_error.hpp"
 
 namespace ringsplat::app {
 

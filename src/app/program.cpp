@@ -1,5 +1,6 @@
+#include <signal.h>
+
 #include "app/commands.hpp"
-#include "base/huge_pages.hpp"
 #include "base/lack_of_memory.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
@@ -96,6 +97,7 @@ TransportChoice transport_of(const CommandLine& line) {
 }  // namespace
 
 int run_program(int argc, char** argv) {
+  signal(SIGXFSZ, SIG_IGN);  // a file over the file size limit is a write error
   keep_standard_descriptors();
   prefer_huge_pages_in_heap();
   std::optional<CommandLine> line;

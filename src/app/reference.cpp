@@ -16,7 +16,7 @@
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
 #include "program/text_output.hpp"
-#include "study/measured_error.hpp"
+#include "study/error_budget.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::app {

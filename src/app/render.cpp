@@ -11,15 +11,14 @@
 #include "app/loading.hpp"
 #include "app/render_job.hpp"
 #include "app/series.hpp"
-#include "app/view_stream.hpp"
+#include "app/views.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "net/launcher.hpp"
 #include "program/text_output.hpp"
 #include "record/trace.hpp"
-#include "session/director.hpp"
 #include "session/render_frames.hpp"
-#include "truth/metrics.hpp"
+#include "truth/sampling.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -2,15 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <limits>
 #include <set>
 #include <utility>
 
-#include "app/commands.hpp"
 #include "app/loading.hpp"
-#include "app/places.hpp"
 #include "base/archive.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
@@ -21,7 +18,6 @@
 #include "options/option_tables.hpp"
 #include "program/text_output.hpp"
 #include "study/error_budget.hpp"
-#include "study/steepness.hpp"
 
 namespace ringsplat::app {
 
@@ -171,6 +167,9 @@ void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
   }
 }
 
+namespace {
+
+/// What these options need loaded when the views traverse `axes`.
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load{axes,
                    needs_normals(o.frame),
@@ -188,6 +187,8 @@ LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();
   return load;
 }
+
+}  // namespace
 
 Job prepare(const RenderOptions& given, Launch& launch) {
   Job job;

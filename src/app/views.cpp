@@ -1,6 +1,5 @@
 #include "app/views.hpp"
 
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <fstream>
@@ -9,7 +8,6 @@
 
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {

@@ -1,5 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <chrono>
+#include <utility>
 
 namespace ringsplat {
 
@@ -24,5 +26,13 @@ class ScopedSeconds {
   double* counter_;
   double start_;
 };
+
+/// Seconds since `last`, which becomes now, for those who look again and again whether something moves. At
+/// most `longest`, more than a look takes: a process that was suspended meanwhile, as by a batch system, has
+/// not waited.
+inline double seconds_awake(double& last, double longest) {
+  const double now = now_seconds();
+  return std::min(now - std::exchange(last, now), longest);
+}
 
 }  // namespace ringsplat

@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <new>
 #include <system_error>
+
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
@@ -44,5 +47,31 @@ bool has_address_space(std::size_t bytes) {
   munmap(space, bytes);
   return true;
 }
+
+namespace {
+
+[[noreturn]] void end_for_lack_of_memory() {
+  say_lack_of_memory();
+  _exit(int(ExitCode::run_failed));
+}
+
+std::terminate_handler end_otherwise = nullptr;
+
+[[noreturn]] void end_by_exception() {
+  try {
+    if (std::current_exception()) throw;
+    // What a library that could start only some of its threads makes of the others, which find no memory.
+    if (!has_address_space(std::size_t{256} << 20)) end_for_lack_of_memory();
+  } catch (const std::exception& error) {
+    if (is_lack_of_memory(error)) end_for_lack_of_memory();
+  } catch (...) {
+  }
+  end_otherwise();
+  std::abort();
+}
+
+}  // namespace
+
+void prepare_for_lack_of_memory() { end_otherwise = std::set_terminate(end_by_exception); }
 
 }  // namespace ringsplat

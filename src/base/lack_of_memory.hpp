@@ -16,4 +16,8 @@ void name_in_lack_of_memory(const std::string& rank);
 /// Whether this process can have so much more address space.
 bool has_address_space(std::size_t bytes);
 
+/// Has what ends the program where nobody can catch it, such as a thread without memory, end it with
+/// run_failed and a line when memory is what was lacking.
+void prepare_for_lack_of_memory();
+
 }  // namespace ringsplat

@@ -1,7 +1,11 @@
 #include "base/process.hpp"
 
+#include <dlfcn.h>
 #include <fcntl.h>
+#include <link.h>
+#include <malloc.h>
 #include <sched.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -9,9 +13,11 @@
 #include <array>
 #include <climits>
 #include <cmath>
-#include <filesystem>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <memory>
+#include <system_error>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -100,6 +106,73 @@ std::vector<int> allowed_cores() {
   const double most = std::ceil(cores_of_control_group());
   if (most < double(cores.size())) cores.resize(std::size_t(std::max(1.0, most)));
   return cores;
+}
+
+namespace {
+
+/// Null where it is unknown.
+link_map* own_object() {
+  link_map* self = nullptr;
+#ifdef __GLIBC__
+  Dl_info ignored;
+  if (dladdr1(reinterpret_cast<void*>(&own_object), &ignored, reinterpret_cast<void**>(&self),
+              RTLD_DL_LINKMAP) == 0)
+    return nullptr;
+#endif
+  return self;
+}
+
+}  // namespace
+
+std::filesystem::path own_folder() {
+  const link_map* const self = own_object();
+  const bool is_library = self != nullptr && self->l_name != nullptr && *self->l_name != '\0';
+  std::error_code unknown;
+  return (is_library ? std::filesystem::path(self->l_name)
+                     : std::filesystem::read_symlink("/proc/self/exe", unknown))
+      .parent_path();
+}
+
+std::vector<std::filesystem::path> own_search_path() {
+  std::vector<std::filesystem::path> folders;
+#ifdef __GLIBC__
+  link_map* const self = own_object();
+  Dl_serinfo size;
+  if (self == nullptr || dlinfo(self, RTLD_DI_SERINFOSIZE, &size) != 0) return folders;
+  std::vector<std::max_align_t> memory(size.dls_size / sizeof(std::max_align_t) + 1);
+  auto* const path = reinterpret_cast<Dl_serinfo*>(memory.data());
+  path->dls_size = size.dls_size;
+  path->dls_cnt = size.dls_cnt;
+  if (dlinfo(self, RTLD_DI_SERINFO, path) != 0) return folders;
+  for (unsigned k = 0; k < path->dls_cnt; ++k) folders.emplace_back(path->dls_serpath[k].dls_name);
+#endif
+  return folders;
+}
+
+void prefer_huge_pages(void* memory, std::size_t bytes) {
+#ifdef MADV_HUGEPAGE
+  constexpr std::size_t page = std::size_t{1} << 21;
+  void* aligned = memory;
+  if (std::align(page, page, aligned, bytes) != nullptr) madvise(aligned, bytes, MADV_HUGEPAGE);
+#else
+  static_cast<void>(memory);
+  static_cast<void>(bytes);
+#endif
+}
+
+void prefer_huge_pages_in_heap() {
+#ifdef __GLIBC__
+  constexpr int megabyte = 1 << 20, ahead = 256 * megabyte, largest_in_heap = 32 * megabyte;
+  // The heap grows in large steps, so that one hint covers each, and never shrinks.
+  if (mallopt(M_TOP_PAD, ahead) == 0 || mallopt(M_MMAP_THRESHOLD, largest_in_heap) == 0 ||
+      mallopt(M_TRIM_THRESHOLD, 2 * ahead) == 0)
+    return;
+  const auto before = reinterpret_cast<std::uintptr_t>(sbrk(0));
+  void* volatile block = std::malloc(largest_in_heap - megabyte);
+  std::free(block);
+  const auto after = reinterpret_cast<std::uintptr_t>(sbrk(0));
+  if (after > before) prefer_huge_pages(reinterpret_cast<void*>(before), after - before);
+#endif
 }
 
 void flush_denormals() {

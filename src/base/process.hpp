@@ -1,6 +1,8 @@
 #pragma once
 #include <cfenv>
+#include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -27,6 +29,21 @@ std::vector<int> allowed_cores();
 /// Opens /dev/null in place of stdin, stdout and stderr where they are closed. Otherwise the next file opened
 /// would take their descriptor, and printed text would go into it.
 void keep_standard_descriptors();
+
+/// The folder of the program, or of the shared library, that this code is part of; empty where it is unknown.
+std::filesystem::path own_folder();
+
+/// The folders where the loader looks for that program's or library's own libraries.
+std::vector<std::filesystem::path> own_search_path();
+
+/// Asks for large pages for memory that is not yet in use. Slices, tables and pictures are read all over, and
+/// finding a page takes longer than reading from it, above all in virtual machines. Only a hint: the system
+/// may ignore it.
+void prefer_huge_pages(void* memory, std::size_t bytes);
+
+/// The same for the heap, up to some 256 MiB, which the process then keeps. Call it once, at the start,
+/// before there are threads (glibc only).
+void prefer_huge_pages_in_heap();
 
 /// Makes this thread treat denormal floats as zero, as operands and as results, where the processor can. They
 /// cost hundreds of cycles and weigh nothing in a picture.

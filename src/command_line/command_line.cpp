@@ -8,7 +8,6 @@
 #include <string_view>
 
 #include "base/text.hpp"
-#include "command_line/texts.hpp"
 #include "options/contradictions.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"

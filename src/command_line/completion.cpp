@@ -1,4 +1,4 @@
-#include "command_line/texts.hpp"
+#include "command_line/subcommands.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -2,10 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cctype>
 #include <vector>
 
 #include "base/text.hpp"
-#include "command_line/texts.hpp"
+#include "command_line/subcommands.hpp"
+#include "options/contradictions.hpp"
 #include "options/option_values.hpp"
 
 namespace ringsplat::app {
@@ -95,10 +97,147 @@ class HelpFormatter : public CLI::Formatter {
   std::vector<std::string> everyday_;
 };
 
+/// Escapes text for roff: dashes stay copyable, and no line looks like a request.
+std::string roff(const std::string& text) {
+  std::string safe;
+  for (const char c : text) {
+    const bool begins_line = safe.empty() || safe.back() == '\n';
+    if (begins_line && (c == '.' || c == '\'')) safe += "\\&";
+    if (c == '-')
+      safe += "\\-";
+    else if (c == '\\')
+      safe += "\\e";
+    else
+      safe += c;
+  }
+  return safe;
+}
+
+std::string bold(const std::string& text) { return "\\fB" + roff(text) + "\\fR"; }
+std::string italic(const std::string& text) { return "\\fI" + roff(text) + "\\fR"; }
+
+std::string upper(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return text;
+}
+
+std::string section(const std::string& title) { return ".SH " + roff(upper(title)) + "\n"; }
+
+/// Command lines as they are typed.
+std::string example(const std::string& lines) { return ".PP\n.nf\n" + roff(lines) + "\n.fi\n"; }
+
+/// "-o, --output FILE [default]".
+std::string usage_of(const Option& option) {
+  std::vector<std::string> names;
+  for (const auto& name : option.names) names.push_back(bold(name));
+  if (!option.form.empty()) names.back().append(" ").append(italic(option.form));
+  std::string usage = option.is_positional() ? italic(option.form) : joined(names, ", ");
+  if (!option.fallback.empty()) usage += " [" + roff(option.fallback) + "]";
+  return option.mark == Mark::required && !option.is_positional() ? usage + " (required)" : usage;
+}
+
+/// The entries of `all` that the list has, as users type them.
+std::vector<std::string> names_of(const std::vector<Which>& all, const OptionList& list) {
+  std::vector<std::string> names;
+  for (const Which& which : all) {
+    const Option* const option = list.find(which.option);
+    if (option == nullptr) continue;
+    names.push_back(option->is_positional() ? option->form : which.option);
+    if (which.value) names.back().append(" ").append(*which.value);
+  }
+  return names;
+}
+
+bool is_among(const Option& option, const std::vector<Which>& all) {
+  return std::any_of(all.begin(), all.end(),
+                     [&](const Which& which) { return !which.value && means(which, option); });
+}
+
+void append(std::vector<std::string>& all, const std::vector<std::string>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+/// The rules for an option: "Not with --orbit. Needs --mesh."
+std::string relations_of(const Option& option, const OptionList& list) {
+  std::vector<std::string> not_with;
+  std::string needs;
+  for (const Rule& rule : rules()) {
+    const bool first = is_among(option, rule.options);
+    if (rule.relation == Relation::excludes && first) append(not_with, names_of(rule.others, list));
+    if (rule.relation == Relation::excludes && is_among(option, rule.others))
+      append(not_with, names_of(rule.options, list));
+    const auto needed = names_of(rule.others, list);
+    if (rule.relation == Relation::needs && first && !needed.empty())
+      needs += fmt::format(" Needs {}.", joined(needed, " or "));
+  }
+  return (not_with.empty() ? "" : fmt::format(" Not with {}.", joined(not_with, ", "))) + needs;
+}
+
+std::string paragraph_of(const Option& option, const OptionList& list) {
+  std::string help = option.help;
+  if (!help.ends_with('.')) help += ".";
+  return fmt::format(".TP\n{}\n{}\n", usage_of(option), roff(help + relations_of(option, list)));
+}
+
+/// Positional arguments, then the options below their headings. The group of --help, which all subcommands
+/// have, needs no heading.
+std::string options_of(const OptionList& list) {
+  std::string text;
+  std::vector<std::string> headings;
+  for (const Option& option : list) {
+    if (option.is_positional()) text += paragraph_of(option, list);
+    if (!option.is_positional() &&
+        std::find(headings.begin(), headings.end(), option.heading) == headings.end())
+      headings.push_back(option.heading);
+  }
+  for (const std::string& heading : headings) {
+    if (heading != "Options") text += ".SS " + roff(heading) + "\n";
+    for (const Option& option : list)
+      if (!option.is_positional() && option.heading == heading) text += paragraph_of(option, list);
+  }
+  return text;
+}
+
+std::string synopsis_of(const BoundSubcommand& subcommand) {
+  std::string line = bold(std::string("ringsplat ") + subcommand.what->name) + " [" + italic("OPTIONS") + "]";
+  for (const Option& option : subcommand.options)
+    if (option.is_positional()) {
+      const std::string name = italic(option.form);
+      line += option.mark == Mark::required ? " " + name : " [" + name + "]";
+    }
+  return line + "\n.br\n";
+}
+
+/// Turns "ringsplat renders …" into the line that apropos searches.
+std::string name_line(const std::string& summary) {
+  const auto blank = summary.find(' ');
+  return roff(summary.substr(0, blank)) + " \\- " + roff(summary.substr(blank + 1)) + "\n";
+}
+
 }  // namespace
 
 std::shared_ptr<CLI::FormatterBase> help_formatter(const std::string& everyday) {
   return std::make_shared<HelpFormatter>(everyday);
+}
+
+std::string man_page(const OptionList& program, std::span<const BoundSubcommand> subcommands) {
+  std::string text = ".TH RINGSPLAT 1 \"\" \"ringsplat " RINGSPLAT_VERSION "\" \"User Commands\"\n";
+  text += ".nh\n.ad l\n";  // options are not hyphenated
+  text += section("Name") + name_line(summary);
+  text += section("Synopsis");
+  for (const auto& subcommand : subcommands) text += synopsis_of(subcommand);
+  text += section("Description") + roff(summary) + ": " + roff(description) + "\n";
+  text += section("Options") + options_of(program);
+  for (const auto& [what, options] : subcommands) {
+    text += section(fmt::format("ringsplat {}", what->name));
+    text += roff(what->description) + std::string(".\n");
+    text += options_of(options);
+    text += ".SS Examples\n" + example(what->examples);
+  }
+  text += section("Configuration files");
+  text += roff(fmt::format(config_help, subcommands.front().what->config)) + "\n";
+  text += section("Exit status") + roff(exit_codes) + "\n";
+  return text + section("Examples") + example(program_examples);
 }
 
 }  // namespace ringsplat::app

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <span>
 #include <string>
 #include <variant>
@@ -6,6 +7,10 @@
 #include "options/option_list.hpp"
 #include "options/options.hpp"
 #include "ringsplat/base/fact.hpp"
+
+namespace CLI {
+class FormatterBase;
+}
 
 namespace ringsplat::app {
 
@@ -54,5 +59,41 @@ std::span<const Subcommand> subcommands();
 /// --config file or a default. All ranks of a job must have the same. Leaves out --config itself, since only
 /// the file's content counts, and --verbose, which may differ between ranks.
 Facts settled_options(const char* subcommand, const OptionList& options, const OptionList& program);
+
+// About the program as a whole, for --help and the manual page.
+inline constexpr char summary[] = "ringsplat renders volumes on one process or on many MPI ranks";
+inline constexpr char description[] =  // continues the summary
+    "GPs hold slices and make splats,\n"
+    "Renderers own parts of the screen, tokens keep the slices in order.";
+inline constexpr char program_examples[] = R"(  ringsplat render head.nrrd -o head.png
+  mpirun -n 6 ringsplat render head.nrrd -o head.png --gps 4 --renderers 2 --tf mr-surface --azimuth 30
+  ringsplat info head_256x256x128_uint8.raw
+  ringsplat render --help)";
+inline constexpr char config_help[] =  // {}: a line of such a file
+    "Any option can be put into a TOML file and read with --config FILE: a line such as {}.\n"
+    "What the command line says comes first. --verbose says more, on every rank.";
+inline constexpr char exit_codes[] =
+    "0 done, 1 a comparison failed or --max-error is broken, 2 wrong usage or bad input, "
+    "3 a failure while running.";
+
+/// Writes --help and --help-all. Where there are everyday options --help shows these alone, in few words, so
+/// that they fit one screen.
+std::shared_ptr<CLI::FormatterBase> help_formatter(const std::string& everyday);
+
+/// The manual page, section 1, as roff for man(7): all options of the program and its subcommands, and the
+/// rules between them (contradictions.hpp).
+std::string man_page(const OptionList& program, std::span<const BoundSubcommand> subcommands);
+
+/// The shells that completion_script() knows, as --help shows them.
+inline constexpr const char* completion_shells = "bash|zsh|fish";
+
+/// A script with which that shell asks the program how a command line may go on. Throws InputError for a
+/// shell that it does not know.
+std::string completion_script(const std::string& shell);
+
+/// How a command line may go on, of which `words` are the ones behind the program's name up to the cursor: a
+/// line for each word that may stand in the last one's place, with what it means behind a tab. A line
+/// ":files" or ":folders" stands for those that the shell finds.
+std::string completions(const OptionList& program, std::span<const BoundSubcommand> subcommands, Words words);
 
 }  // namespace ringsplat::app

@@ -10,6 +10,7 @@
 #include "protocol/engine.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
+#include "volume/slice_dealing.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {
@@ -18,6 +19,24 @@ namespace ringsplat {
 /// Tiles are rows of premultiplied RGBA floats.
 std::unique_ptr<Canvas> make_picture_canvas(std::int64_t number, const Shown& shown,
                                             std::shared_ptr<const FrameGeometry> geometry, TakePicture take);
+
+/// What the protocol knows of a frame: slices are dealt in turn, and a tile is a region of the image plane.
+FramePlan plan_of(const FrameGeometry& geometry, SliceDealing dealing, int renderers);
+
+/// A rank's frames' regions, dealt by the work that the volume's sketch lets foresee
+/// (frame/work_estimate.hpp).
+class RegionDealer {
+ public:
+  explicit RegionDealer(const EngineSetup& setup) : setup_(setup) {}
+  /// From now on for these ranks and costs; the sketch is the same.
+  void use(const EngineSetup& setup) { setup_ = setup; }
+  /// Of a frame's geometry, before its plan is made.
+  void deal(const FrameSpec& spec, FrameGeometry& geometry);
+
+ private:
+  EngineSetup setup_;
+  ShownPoints shown_;
+};
 
 /// What a GP counts for `steps` of its steps when no Renderer has a tile (Encoder::left_out()).
 EncodeCounts left_out_of(const FrameGeometry& geometry, std::size_t steps);

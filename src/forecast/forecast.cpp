@@ -2,16 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <utility>
 
-#include "forecast/token_times.hpp"
 #include "frame/frame_geometry.hpp"
 #include "program/layouts.hpp"
 #include "scene/scene.hpp"
-#include "simulate/work_costs.hpp"
+#include "simulate/meter.hpp"
 #include "volume/value_statistics.hpp"
 
 namespace ringsplat::app {

@@ -1,13 +1,11 @@
-#include "forecast/token_times.hpp"
+#include "forecast/forecast.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "net/mesh.hpp"
-#include "net/message.hpp"
 #include "sheet_engine/sheet_engine.hpp"
-#include "simulate/work_costs.hpp"
+#include "simulate/meter.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -3,7 +3,7 @@
 #include <functional>
 #include <memory>
 
-#include "frame/work_dealing.hpp"
+#include "frame/work_estimate.hpp"
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "volume/slice_store.hpp"
@@ -25,11 +25,11 @@ struct EngineSetup {
   WorkCosts splat_costs = usual_splat_costs, sheet_costs = usual_sheet_costs;
   /// This rank's GP's slices, shared by its engines; an empty store without a GP.
   std::shared_ptr<const SliceStore> slices;
-  int threads = 1;         ///< threads that share a node's work
+  int threads = 1;               ///< threads that share a node's work
   std::uint64_t kept_bytes = 0;  ///< of sheets' planes that each Renderer keeps from frame to frame
-  bool skip_empty = true;  ///< leave out slices that the transfer function makes transparent
-  bool timed = false;      ///< measure seconds by stage
-  TakePicture take = {};   ///< called on the frame buffer's rank
+  bool skip_empty = true;        ///< leave out slices that the transfer function makes transparent
+  bool timed = false;            ///< measure seconds by stage
+  TakePicture take = {};         ///< called on the frame buffer's rank
 
   SliceDealing dealing() const { return {gps, bundle}; }
 };

@@ -1,4 +1,4 @@
-#include "frame/work_dealing.hpp"
+#include "frame/work_estimate.hpp"
 
 #include <algorithm>
 #include <bit>

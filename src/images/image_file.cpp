@@ -6,13 +6,12 @@
 
 #include <cstdlib>
 #include <new>
-#include <string>
 
 #include "base/input_file.hpp"
 #include "base/lack_of_memory.hpp"
 #include "base/memory_file.hpp"
 #include "base/output_file.hpp"
-#include "base/own_place.hpp"
+#include "base/process.hpp"
 #include "base/text.hpp"
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"

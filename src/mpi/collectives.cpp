@@ -1,20 +1,223 @@
+#include <fmt/format.h>
+#include <mpi.h>
+#include <pthread.h>
+#include <sched.h>
+
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdint>
-#include <cstring>
+#include <ctime>
+#include <exception>
+#include <fstream>
 #include <mutex>
 #include <numeric>
 #include <optional>
 #include <span>
 #include <thread>
+#include <utility>
 
 #include "base/clock.hpp"
+#include "base/log.hpp"
 #include "mpi/connections.hpp"
-#include "mpi/stall_watch.hpp"
+#include "mpi/session.hpp"
+#include "net/collectives.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
+
+/// Names processes that keep others waiting. One that waits asks all others now and then; who is in a
+/// collective call answers, and who is at work does by a thread, which also sees when its process makes no
+/// headway. So a process that hangs in reading says so itself, and of one that does not answer the first of
+/// those that wait says it.
+class StallWatch {
+ public:
+  /// As Collectives::begin_watch(). All processes of `comm` make one.
+  StallWatch(MPI_Comm comm, std::string what, const Patience& patience, bool at_work)
+      : comm_(comm),
+        what_(std::move(what)),
+        patience_(patience),
+        grace_(std::clamp(patience.seconds / 4, 2.0, 10.0)) {
+    MPI_Comm_rank(comm_, &rank_);
+    MPI_Comm_size(comm_, &ranks_);
+    answered_.resize(std::size_t(ranks_));
+    int threads = MPI_THREAD_SINGLE;
+    MPI_Query_thread(&threads);
+    if (!at_work || threads < MPI_THREAD_SERIALIZED) return;
+    pthread_getcpuclockid(pthread_self(), &worker_);
+    thread_ = std::thread([this] { watch_own_work(); });
+  }
+
+  ~StallWatch() {
+    {
+      const std::lock_guard lock(stopping_);
+      stop_ = true;
+    }
+    stopped_.notify_all();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  StallWatch(const StallWatch&) = delete;
+  StallWatch& operator=(const StallWatch&) = delete;
+
+  /// Only with this lock may MPI be called.
+  std::mutex& mpi() { return mpi_; }
+  /// Waits for the requests of this process's part of a collective call. Throws RunError when a process does
+  /// not come and the patience says so.
+  void finish(std::span<MPI_Request> requests, const char* call) {
+    {
+      const std::lock_guard lock(mpi_);
+      waits_since_ = now_seconds();
+      // The first that waits asks, and the others are spared.
+      ask_at_ = waits_since_ + std::max(0.0, patience_.seconds - grace_) + std::min(0.1 * rank_, grace_ / 2);
+      tell_at_ = never;
+    }
+    waits_ = true;
+    for (long waits = 0;; ++waits) {
+      {
+        const std::lock_guard lock(mpi_);
+        int done = 0;
+        checked(MPI_Testall(int(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE), call);
+        if (done != 0) break;
+        answer();
+        ask_or_tell();
+      }
+      const Pause pause = pause_after(waits, yields, longest_amid_frame);
+      if (pause.yields) sched_yield();
+      if (pause.sleeps.count() > 0) std::this_thread::sleep_for(pause.sleeps);
+    }
+    waits_ = false;
+  }
+
+ private:
+  static constexpr int question_tag = 5, answer_tag = 6;
+  static constexpr std::chrono::milliseconds tick{100};
+  static constexpr long yields = 64;  // few, as ranks may share cores
+  static constexpr double never = std::numeric_limits<double>::infinity();
+  static constexpr const char* hint =
+      "a file system may hang, or a rank's machine; --stall-timeout sets the limit";
+
+  static std::int64_t nanoseconds(clockid_t clock) {
+    timespec now{};
+    clock_gettime(clock, &now);
+    return std::int64_t(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+  }
+
+  /// By this process so far, from files and others.
+  static std::uint64_t bytes_read() {
+    std::ifstream io("/proc/self/io");
+    std::string name;
+    std::uint64_t bytes = 0;
+    io >> name >> bytes;
+    return bytes;
+  }
+
+  void send(int to, int tag) {
+    MPI_Request nobody_waits = MPI_REQUEST_NULL;
+    checked(MPI_Isend(nullptr, 0, MPI_BYTE, to, tag, comm_, &nobody_waits), "MPI_Isend");
+    checked(MPI_Request_free(&nobody_waits), "MPI_Request_free");
+  }
+
+  void answer() {
+    while (const auto from = take_signal(comm_, MPI_ANY_SOURCE, question_tag)) {
+      send(*from, answer_tag);
+      if (*from < rank_ && tell_at_ == never) ask_at_ = std::max(ask_at_, now_seconds() + patience_.seconds);
+    }
+  }
+
+  void ask_or_tell() {
+    while (const auto from = take_signal(comm_, MPI_ANY_SOURCE, answer_tag))
+      answered_[std::size_t(*from)] = true;  // also to earlier questions: it lives
+    const double now = now_seconds();
+    if (now > tell_at_) return tell();
+    if (now < ask_at_) return;
+    ask_at_ = never;
+    tell_at_ = now + grace_;
+    answered_.assign(std::size_t(ranks_), false);
+    answered_[std::size_t(rank_)] = true;
+    for (int r = 0; r < ranks_; ++r)
+      if (r != rank_) send(r, question_tag);
+  }
+
+  void tell() {
+    tell_at_ = never;
+    std::string late;
+    for (int r = 0; r < ranks_; ++r)
+      if (!answered_[std::size_t(r)]) late += fmt::format("{}{}", late.empty() ? "rank " : ", ", r);
+    if (late.empty()) {
+      ask_at_ = now_seconds() + patience_.seconds;
+      return;
+    }
+    const std::string line = fmt::format("{} has been {} for {:.0f} s and does not answer", late, what_,
+                                         now_seconds() - waits_since_);
+    if (patience_.ends) throw RunError(line, hint);
+    log_warning("{}; the others wait", line);
+  }
+
+  void watch_own_work() try {
+    double still = 0, last = now_seconds();
+    bool told = false;
+    for (std::unique_lock stopping(stopping_);
+         !stopped_.wait_for(stopping, tick, [this] { return stop_; });) {
+      const double passed = seconds_awake(last, 10 * std::chrono::duration<double>(tick).count());
+      if (waits_) {
+        still = 0;
+        continue;
+      }
+      {
+        const std::lock_guard lock(mpi_);
+        answer();
+      }
+      still = makes_headway(passed) ? 0 : still + passed;
+      if (still < patience_.seconds || told) continue;
+      told = true;
+      const std::string line = fmt::format("rank {} has been {} for {:.0f} s", rank_, what_, still);
+      if (patience_.ends) {
+        log_error("{}; hint: {}", line, hint);
+        const std::lock_guard lock(mpi_);
+        MpiSession::abort(int(ExitCode::run_failed));
+      }
+      log_warning("{}; the others wait", line);
+    }
+  } catch (const std::exception&) {
+    // MPI has failed; the process that calls it will say so.
+  }
+
+  bool makes_headway(double seconds) {
+    constexpr double least_part_of_a_core = 0.05;  // threads beside the worker that only draw a bar take less
+    constexpr std::uint64_t most_read_to_see = 4096;  // from /proc
+    const auto worker = nanoseconds(worker_);
+    const double process =
+        1e-9 * double(nanoseconds(CLOCK_PROCESS_CPUTIME_ID) - nanoseconds(CLOCK_THREAD_CPUTIME_ID));
+    const auto read = bytes_read();
+    return std::exchange(worker_nanoseconds_, worker) != worker ||
+           process - std::exchange(process_seconds_, process) > least_part_of_a_core * seconds ||
+           read - std::exchange(bytes_read_, read) > most_read_to_see;
+  }
+
+  MPI_Comm comm_;
+  int rank_ = 0, ranks_ = 1;
+  std::string what_;
+  Patience patience_;
+  double grace_;
+  std::mutex mpi_;
+  // Of the wait of this process.
+  double waits_since_ = 0, ask_at_ = 0, tell_at_ = 0;
+  std::vector<bool> answered_;
+  // Of its work.
+  std::atomic<bool> waits_{false};
+  clockid_t worker_{};
+  std::int64_t worker_nanoseconds_ = 0;
+  double process_seconds_ = 0;
+  std::uint64_t bytes_read_ = 0;
+  bool stop_ = false;
+  std::mutex stopping_;
+  std::condition_variable stopped_;
+  std::thread thread_;
+};
 
 constexpr int block_tag = 3, presence_tag = 4;
 

@@ -24,7 +24,7 @@ MpiSession::MpiSession(int& argc, char**& argv) {
   constexpr std::size_t mpi_takes = std::size_t{240} << 20;
   if (!simulated() && !has_address_space(mpi_takes)) throw std::bad_alloc();
   int provided = 0;
-  // Serialised, for the watch over ranks that read (stall_watch.hpp).
+  // Serialised, for the watch over ranks that read (collectives.cpp).
   checked(MPI_Init_thread(&argc, &argv, MPI_THREAD_SERIALIZED, &provided), "MPI_Init_thread");
   // SimGrid promises no thread level. Its ranks are contexts of one process, and threads that do not call MPI
   // do not disturb it.

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "mpi/connections.hpp"
-#include "mpi/pauses.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {

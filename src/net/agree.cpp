@@ -7,8 +7,6 @@
 #include "base/archive.hpp"
 #include "base/fingerprint.hpp"
 #include "net/blocks.hpp"
-#include "net/collectives.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "net/link_counts.hpp"
 #include "net/mesh.hpp"
 #include "net/message.hpp"
 #include "net/transport.hpp"

@@ -125,7 +125,7 @@ struct RenderOptions {
   int orbit = 0;
   std::string path;
   std::vector<ViewAngles> views;  ///< of a caller in this process, instead of an orbit or a path
-  std::optional<Side> side;       ///< first_view.hpp makes angles of it
+  std::optional<Side> side;       ///< complete_view() makes angles of it
   bool direction_chosen = false;  ///< some option says from where the volume is seen
   std::optional<Fit> fit;         ///< empty: chosen by the other options
   bool annotate = false;

@@ -2,11 +2,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -43,6 +45,43 @@ Reader statistics_file(RenderOptions& o) {
     o.stats_as_table = file == "table" || file.ends_with(".txt");
     o.stats = file == "table" ? "-" : file;
   });
+}
+
+void stand_at(Camera& camera, Side side, World world) {
+  // A patient who faces the viewer has his left, world +x, at the picture's right.
+  const double left = world == World::patient ? 90 : -90;
+  const glm::dvec2 angles[] = {{0, 0}, {180, 0}, {left, 0}, {-left, 0}, {0, 90}, {0, -90}};  // by side
+  camera.azimuth = angles[static_cast<int>(side)].x;
+  camera.elevation = angles[static_cast<int>(side)].y;
+}
+
+/// The lattice's extents along the world's axes; nothing when it lies askew.
+std::optional<glm::dvec3> extents_in_world(const Grid& grid) {
+  glm::dvec3 extents{0};
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 along = glm::abs(grid.direction[k]);
+    const int axis = along.x >= along.y && along.x >= along.z ? 0 : along.y >= along.z ? 1 : 2;
+    if (extents[axis] > 0) return std::nullopt;
+    extents[axis] = grid.dims[k] * grid.spacing[k];
+  }
+  return extents;
+}
+
+/// The broad side of a volume whose front shows less than a third of it; of a patient, whom people expect to
+/// face them, less than a fifth. A few axial slices are seen from the feet, sagittal ones from the left, as
+/// radiologists do.
+std::optional<Side> broad_side(const std::optional<glm::dvec3>& extents, bool patient) {
+  const double flat = patient ? 5 : 3;
+  if (!extents || !(extents->y > flat * std::min(extents->x, extents->z))) return std::nullopt;
+  if (extents->x <= extents->z) return patient ? Side::left : Side::right;
+  return patient ? Side::bottom : Side::top;
+}
+
+/// Of a solid two sides and the top say more than one side, of a plate they do not.
+bool is_solid(std::optional<glm::dvec3> extents) {
+  if (!extents) return true;
+  std::sort(&extents->x, &extents->x + 3);
+  return 3 * extents->x >= extents->y;
 }
 
 }  // namespace
@@ -270,6 +309,39 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
               {{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}}),
        Mark::of_splats},
   };
+}
+
+void note_direction(const OptionList& list, RenderOptions& o) {
+  for (const char* const name :
+       {"--view", "--azimuth", "--elevation", "--matrix", "--eye", "--orbit", "--path"})
+    o.direction_chosen = o.direction_chosen || list.is_given(name);
+}
+
+void settle_fit(const OptionList& list, RenderOptions& o) {
+  note_direction(list, o);
+  Camera& camera = o.frame.shown.camera;
+  if (o.fit && camera.fov > 0 && camera.eye)
+    throw InputError("--fit has no effect in perspective with --eye, which is where it is",
+                     "leave out --fit, and use --zoom or --fov");
+  const bool has_its_size = camera.matrix || (camera.fov > 0 && (camera.eye || camera.distance > 0));
+  const bool turns = o.orbit > 0 || !o.path.empty() || !o.views.empty();
+  camera.fit = has_its_size ? Fit::sphere : o.fit.value_or(turns ? Fit::sphere : Fit::box);
+}
+
+std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes) {
+  Camera& camera = o.frame.shown.camera;
+  if (o.side) stand_at(camera, *o.side, notes.world);
+  if (o.direction_chosen) return {};
+  const bool patient = notes.world == World::patient;
+  const auto extents = extents_in_world(grid);
+  const auto side = notes.world == World::microscope ? std::nullopt : broad_side(extents, patient);
+  if (!side) {
+    if (!patient && is_solid(extents)) camera.azimuth = 30, camera.elevation = 20;
+    return {};
+  }
+  stand_at(camera, *side, notes.world);
+  return fmt::format("the volume is flat: it is seen from the {}, --view front shows its narrow side",
+                     name(*side));
 }
 
 }  // namespace ringsplat::app

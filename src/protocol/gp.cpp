@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "protocol/node.hpp"
-#include "record/node_book.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {

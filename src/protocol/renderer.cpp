@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "protocol/node.hpp"
-#include "record/node_book.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {

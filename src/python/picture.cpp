@@ -15,7 +15,6 @@
 #include "options/option_tables.hpp"
 #include "program/launch.hpp"
 #include "ringsplat/base/error.hpp"
-#include "study/measured_error.hpp"
 
 namespace ringsplat::python {
 namespace {

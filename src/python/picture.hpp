@@ -7,8 +7,8 @@
 
 #include "app/annotation.hpp"
 #include "options/options.hpp"
-#include "session/director.hpp"
-#include "study/measured_error.hpp"
+#include "session/render_frames.hpp"
+#include "study/error_budget.hpp"
 
 namespace ringsplat::python {
 

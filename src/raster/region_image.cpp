@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "raster/slice_buffer.hpp"
-
 namespace ringsplat {
 
 RegionImage::RegionImage(const PixelRect& rect)

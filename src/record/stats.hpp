@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "net/link_counts.hpp"
+#include "net/mesh.hpp"
 #include "ringsplat/net/layout.hpp"
 
 namespace ringsplat {

@@ -1,4 +1,4 @@
-#include "scene/voxel_blocks.hpp"
+#include "scene/dealer.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,6 @@
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
-#include "scene/scene.hpp"
 #include "volume/copy_row.hpp"
 
 namespace ringsplat {

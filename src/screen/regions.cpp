@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstdint>
 #include <limits>
-#include <utility>
 
 #include "ringsplat/base/error.hpp"
 

@@ -16,7 +16,7 @@ struct PixelRect {
 };
 
 /// Which Renderer owns a region: the one map from regions to Renderers, used by all. Either what each costs
-/// is known, and a list says who gets which (frame/work_dealing.hpp), or they are dealt in turn:
+/// is known, and a list says who gets which (frame/work_estimate.hpp), or they are dealt in turn:
 ///
 /// Only a rectangle of regions is dealt, those that a frame's volume reaches; nobody owns the others. The
 /// region in the rectangle's column x and row y belongs to Renderer x + skew · y, modulo their number, so

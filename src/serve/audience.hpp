@@ -10,10 +10,9 @@
 #include <set>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "serve/picture_maker.hpp"
-#include "serve/viewer_texts.hpp"
+#include "serve/viewer.hpp"
 
 namespace ringsplat::serve {
 

@@ -10,7 +10,7 @@
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "ringsplat/volume/statistics.hpp"
-#include "serve/viewer_texts.hpp"
+#include "serve/viewer.hpp"
 #include "session/render_frames.hpp"
 
 namespace ringsplat::serve {

@@ -29,9 +29,9 @@
 #include "serve/movie.hpp"
 #include "serve/picture_maker.hpp"
 #include "serve/probe.hpp"
-#include "serve/viewer_texts.hpp"
+#include "serve/viewer.hpp"
 #include "serve/web_server.hpp"
-#include "session/director.hpp"
+#include "session/render_frames.hpp"
 
 namespace ringsplat::serve {
 

@@ -4,7 +4,7 @@
 #include "classify/adjust.hpp"
 #include "serve/levels.hpp"
 #include "serve/viewer.hpp"
-#include "session/director.hpp"
+#include "session/render_frames.hpp"
 
 namespace ringsplat::serve {
 

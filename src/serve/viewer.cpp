@@ -16,8 +16,6 @@
 #include "serve/picture_maker.hpp"
 #include "serve/requests.hpp"
 #include "serve/scene_frames.hpp"
-#include "serve/viewer_texts.hpp"
-#include "session/render_frames.hpp"
 
 namespace ringsplat::serve {
 namespace {

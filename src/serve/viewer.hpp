@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "classify/adjust.hpp"
@@ -11,7 +12,7 @@
 #include "serve/client_message.hpp"
 #include "serve/levels.hpp"
 #include "serve/web_server.hpp"
-#include "session/director.hpp"
+#include "session/render_frames.hpp"
 
 namespace ringsplat::serve {
 
@@ -85,5 +86,30 @@ class Viewer {
 
 /// Binds the port. Throws InputError when it cannot be had.
 std::unique_ptr<Viewer> make_viewer(ViewerOptions options);
+
+/// What lies under a pixel.
+struct Probed {
+  bool hit = false;
+  glm::dvec3 voxel{0.0};  ///< lattice coordinates
+  glm::dvec3 world{0.0};
+  double value = 0;
+};
+
+std::string hello_text(const ViewerOptions& options, const std::vector<Level>& levels, bool drives,
+                       int viewers);
+std::string driver_text(bool drives, int viewers);
+/// What becomes of a frame of a series: "loading", "shown" from now on, or "failed".
+std::string frame_text(int frame, std::string_view status);
+std::string state_text(const SceneState& scene);
+std::string map_text(const MapMessage& map);
+std::string probe_text(std::uint32_t id, const Probed& probed);
+/// A movie's frame is there; another may come.
+std::string movie_frame_text(std::uint32_t id, int index);
+/// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO". `request`: that it answers.
+std::string error_text(std::string_view what, const std::optional<Request>& request);
+/// `what`: as of an error.
+std::string warning_text(std::string_view what);
+std::string end_text(const std::string& message);
+std::string ended_by_signal_text(int number);
 
 }  // namespace ringsplat::serve

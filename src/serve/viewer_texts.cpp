@@ -1,4 +1,4 @@
-#include "serve/viewer_texts.hpp"
+#include "serve/viewer.hpp"
 
 #include <csignal>
 #include <nlohmann/json.hpp>

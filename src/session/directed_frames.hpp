@@ -6,7 +6,7 @@
 #include "frame/frame_geometry.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "protocol/frame_source.hpp"
-#include "session/director.hpp"
+#include "session/render_frames.hpp"
 
 namespace ringsplat {
 

@@ -1,12 +1,118 @@
 #pragma once
+#include <algorithm>
 #include <array>
+#include <chrono>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
+#include "frame/engine_setup.hpp"
+#include "protocol/engine.hpp"
+#include "record/stats.hpp"
+#include "ringsplat/base/image.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/session/session.hpp"
 #include "scene/scene.hpp"
-#include "session/director.hpp"
 #include "session/render.hpp"
+#include "volume/value_statistics.hpp"
 
 namespace ringsplat {
+
+struct FrameResult {
+  FrameSpec spec;
+  Image image;
+  FrameStats stats;
+  Axis axis = Axis::z;  ///< of the slice set that was traversed
+};
+
+/// Adds up pictures of several volumes: light and opacity, both at most 1. So volumes do not hide each other.
+class FrameSum {
+ public:
+  using Take = std::function<void(FrameResult&& sum, std::size_t view)>;
+
+  /// `take` gets a view's sum when its last picture was added.
+  explicit FrameSum(Take take) : take_(std::move(take)) {}
+
+  /// Each view's pictures come in the same order, so that sums have the same bits in every run.
+  void add(FrameResult&& picture, std::size_t view, bool last) {
+    const auto [found, is_first] = sums_.try_emplace(view, std::move(picture));
+    if (!is_first) {
+      FrameResult& sum = found->second;
+      for (std::size_t k = 0; k < sum.image.rgba.size(); ++k) sum.image.rgba[k] += picture.image.rgba[k];
+      add_to(sum.stats, picture.stats);
+    }
+    if (!last) return;
+    FrameResult sum = std::move(sums_.extract(found).mapped());
+    if (!is_first)
+      for (float& part : sum.image.rgba) part = std::min(part, 1.0F);
+    take_(std::move(sum), view);
+  }
+  /// Nothing more is added of the view.
+  void forget(std::size_t view) { sums_.erase(view); }
+
+ private:
+  /// Of one frame after another: each node's slices of one are gone when those of the next are held.
+  static void add_to(FrameStats& sum, const FrameStats& more) {
+    const auto add = [](std::vector<NodeStats>& nodes, const std::vector<NodeStats>& others) {
+      for (std::size_t k = 0; k < nodes.size(); ++k) {
+        const auto held = std::max(nodes[k].slice_memory, others[k].slice_memory);
+        nodes[k] += others[k];
+        nodes[k].slice_memory = held;
+      }
+    };
+    add(sum.gps, more.gps);
+    add(sum.renderers, more.renderers);
+    for (std::size_t k = 0; k < sum.links.size(); ++k) sum.links[k] += more.links[k];
+    sum.seconds += more.period;  // frames may overlap
+  }
+
+  Take take_;
+  std::map<std::size_t, FrameResult> sums_;  ///< by view
+};
+
+/// A frame of one of the volumes that are rendered together.
+struct VolumeFrame {
+  std::size_t volume = 0;  ///< the scene's own; from 1 its others
+  FrameSpec spec;
+};
+
+/// Supplies frames to render and takes the results; lives on rank 0.
+struct Director {
+  /// The next frame to render, or nothing when there are no more. `frame` is set by the frame buffer: 0, 1,
+  /// 2 …
+  std::function<std::optional<FrameSpec>()> next_frame;
+  std::function<void(FrameResult&&)> frame_done;
+  /// True while next_frame has nothing now and may have something later, as when views arrive during the run.
+  /// May be left empty.
+  std::function<bool()> may_come = {};
+  /// True when an announced frame is no longer wanted: it is dropped and not passed to frame_done.
+  std::function<bool(const FrameSpec&)> unwanted = {};
+  /// Waits until next_frame may have something, so long at most. May be left empty: it is asked again and
+  /// again.
+  std::function<void(std::chrono::nanoseconds)> pause = {};
+  /// In place of next_frame: the frames whose FrameSum is the next picture, or none when
+  /// there are no more. Pictures are counted instead of frames; a picture has the spec of its first frame.
+  std::function<std::vector<VolumeFrame>()> next_picture = {};
+};
+
+/// The frame as each camera sees it.
+inline std::vector<FrameSpec> frames_of(const FrameSpec& frame, const std::vector<Camera>& cameras) {
+  std::vector<FrameSpec> frames(cameras.size(), frame);
+  for (std::size_t k = 0; k < frames.size(); ++k) frames[k].shown.camera = cameras[k];
+  return frames;
+}
+
+/// Renders `frames`, one after another.
+inline Director director_of(std::vector<FrameSpec> frames, std::function<void(FrameResult&&)> frame_done) {
+  const auto next = [frames = std::move(frames), asked = std::size_t{0}]() mutable {
+    return asked < frames.size() ? std::optional(frames[asked++]) : std::nullopt;
+  };
+  return {next, std::move(frame_done)};
+}
 
 /// Which slice sets a list of views of the frame traverses, drawn by its method or by another one.
 std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& cameras, const Grid& grid,
@@ -38,5 +144,31 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
 /// processes, RunError when a run fails.
 void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
                    const Wiring& wiring, const EngineOptions& engine = {});
+
+/// The engine of one method.
+struct MethodEngine {
+  const char* method;
+  std::function<std::unique_ptr<Engine>(const EngineSetup& setup)> make;
+};
+/// Those that draw.
+std::vector<MethodEngine> drawing_engines();
+
+/// The engines of one rank. A frame's engine is found by the name of its method and made on first use.
+std::unique_ptr<Engine> make_engines(const EngineSetup& setup,
+                                     std::vector<MethodEngine> methods = drawing_engines());
+
+/// The same, whose steps are the setup's bundles. Frames may be of the other volumes, too.
+std::unique_ptr<Engine> make_rank_engine(const EngineSetup& setup, std::vector<EngineSetup> others = {});
+
+/// What a session can do for other rooms that is not for users.
+struct SessionParts {
+  /// Has the session's next collective call throw this as InputError on all ranks.
+  static void note_problem(Session& session, const std::string& problem);
+  /// Of the committed volume, until the next commit. Collective; `call` is its name for people.
+  static const ValueStatistics& values(Session& session, const char* call = "values");
+  /// As Session::render(), with all that is known of each frame.
+  static void render(Session& session, const std::vector<FrameSpec>& frames,
+                     const std::function<void(FrameResult&&)>& take);
+};
 
 }  // namespace ringsplat

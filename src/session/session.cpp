@@ -15,10 +15,9 @@
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
+#include "scene/dealer.hpp"
 #include "scene/scene.hpp"
-#include "scene/voxel_blocks.hpp"
 #include "session/render_frames.hpp"
-#include "session/session_parts.hpp"
 
 namespace ringsplat {
 namespace {

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numeric>
 
-#include "base/huge_pages.hpp"
+#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/cell_ranges.hpp"
 

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "engine_parts/frame_plan.hpp"
 #include "sheet_engine/kept_blocks.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 

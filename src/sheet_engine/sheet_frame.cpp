@@ -1,6 +1,6 @@
 #include "sheet_engine/sheet_frame.hpp"
 
-#include "engine_parts/frame_plan.hpp"
+#include "engine_parts/frame_engine.hpp"
 
 namespace ringsplat {
 

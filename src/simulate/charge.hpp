@@ -1,13 +1,26 @@
 #pragma once
+#include <cmath>
+#include <ctime>
+
+// Functions of SimGrid's. Weak: null when the program is linked with another MPI.
+extern "C" void smpi_execute_benched(double seconds) __attribute__((weak));
+extern "C" int smpi_nanosleep(const timespec* time, timespec* left) __attribute__((weak));
 
 namespace ringsplat {
 
 /// Advances this rank's simulated clock by so many seconds of computing; does nothing outside of a
 /// simulation.
-void charge(double seconds);
+inline void charge(double seconds) {
+  if (smpi_execute_benched != nullptr && seconds > 0) smpi_execute_benched(seconds);
+}
 
 /// Lets so many seconds of the simulated clock pass without computing; does nothing outside of a simulation.
-void sleep_simulated(double seconds);
+inline void sleep_simulated(double seconds) {
+  if (smpi_nanosleep == nullptr || !(seconds > 0)) return;
+  const double whole = std::floor(seconds);
+  const timespec time{time_t(whole), long(1e9 * (seconds - whole))};
+  smpi_nanosleep(&time, nullptr);
+}
 
 /// Simulated time owed for work that was done at once. It is paid in pieces, so that the rank can handle
 /// messages in between.

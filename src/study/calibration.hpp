@@ -6,9 +6,8 @@
 #include "options/options.hpp"
 #include "program/kept_measurements.hpp"
 #include "ringsplat/volume/statistics.hpp"
-#include "session/director.hpp"
+#include "session/render_frames.hpp"
 #include "study/error_budget.hpp"
-#include "study/measured_error.hpp"
 
 namespace ringsplat::app {
 

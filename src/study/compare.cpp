@@ -9,7 +9,7 @@
 #include "images/image_io.hpp"
 #include "program/text_output.hpp"
 #include "study/commands.hpp"
-#include "truth/metrics.hpp"
+#include "truth/sampling.hpp"
 
 namespace ringsplat::app {
 namespace {

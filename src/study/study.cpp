@@ -24,7 +24,7 @@
 #include "program/text_output.hpp"
 #include "session/render_frames.hpp"
 #include "study/commands.hpp"
-#include "study/measured_error.hpp"
+#include "study/error_budget.hpp"
 #include "study/study_list.hpp"
 #include "volume/synth.hpp"
 

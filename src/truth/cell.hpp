@@ -6,8 +6,6 @@
 #include <optional>
 
 #include "truth/scene.hpp"
-#include "truth/shading.hpp"
-#include "truth/transfer_curve.hpp"
 
 namespace ringsplat::truth {
 

@@ -6,8 +6,6 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
-#include "truth/parallel.hpp"
-
 namespace ringsplat::truth {
 
 LatticeFrame lattice_of(const Grid& grid) { return {grid.dims, grid.spacing, grid.origin, grid.direction}; }

@@ -1,10 +1,33 @@
 #include "truth/scene.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include "volume/scalars.hpp"
 
 namespace ringsplat::truth {
+namespace {
+
+/// IEC 61966-2-1:1999, section 5.2.
+double linear_light(double display) {
+  return display <= 0.04045 ? display / 12.92 : std::pow((display + 0.055) / 1.055, 2.4);
+}
+
+/// The piecewise-linear curve through `results` at ascending `values`, constant beyond the ends. Equal ends
+/// are handled first, since (1 − t) a + t a may differ from a.
+template <class T>
+T on_line(const std::vector<double>& values, const std::vector<T>& results, double value) {
+  const auto after = std::size_t(std::upper_bound(values.begin(), values.end(), value) - values.begin());
+  if (after == 0) return results.front();
+  if (after == values.size() || results[after - 1] == results[after]) return results[after - 1];
+  // Halved, because the difference may overflow a double.
+  const double t = (0.5 * value - 0.5 * values[after - 1]) / (0.5 * values[after] - 0.5 * values[after - 1]);
+  return (1 - t) * results[after - 1] + t * results[after];
+}
+
+}  // namespace
 
 Scene cropped(const Scene& scene) {
   check(*scene.frame.shown.clip, scene.grid);
@@ -51,6 +74,102 @@ Image to_image(int width, int height, std::span<const Rgba> colours) {
   for (std::size_t p = 0; p < colours.size(); ++p)
     for (int c = 0; c < 4; ++c) image.rgba[4 * p + std::size_t(c)] = static_cast<float>(colours[p][c]);
   return image;
+}
+
+TransferCurve::TransferCurve(const TransferFunction& tf) {
+  for (const auto& p : tf.colours) {
+    colour_values_.push_back(p.value);
+    colours_.emplace_back(linear_light(p.srgb.x), linear_light(p.srgb.y), linear_light(p.srgb.z));
+  }
+  for (const auto& p : tf.opacities) {
+    opacity_values_.push_back(p.value);
+    opacities_.push_back(p.opacity);
+  }
+  knots_ = colour_values_;
+  knots_.insert(knots_.end(), opacity_values_.begin(), opacity_values_.end());
+  std::sort(knots_.begin(), knots_.end());
+  knots_.erase(std::unique(knots_.begin(), knots_.end()), knots_.end());
+}
+
+TransferCurve::Sample TransferCurve::at(double value) const {
+  if (std::isnan(value)) return {};
+  return {on_line(colour_values_, colours_, value), on_line(opacity_values_, opacities_, value)};
+}
+
+bool TransferCurve::visible(double low, double high) const {
+  if (!(low <= high)) return false;
+  if (on_line(opacity_values_, opacities_, low) > 0 || on_line(opacity_values_, opacities_, high) > 0)
+    return true;
+  for (std::size_t i = 0; i < opacity_values_.size(); ++i)
+    if (opacities_[i] > 0 && opacity_values_[i] >= low && opacity_values_[i] <= high) return true;
+  return false;
+}
+
+double TransferCurve::bounded(double value) const {
+  if (!std::isinf(value)) return value;
+  const double margin = 1 + std::abs(value > 0 ? knots_.back() : knots_.front());
+  return value > 0 ? knots_.back() + margin : knots_.front() - margin;
+}
+
+Phong::Phong(const Scene& scene, const ViewTransform& view)
+    : material_(scene.frame.shown.material),
+      to_light_(glm::normalize(view.right * scene.frame.shown.light.x + view.up * scene.frame.shown.light.y +
+                               view.to_viewer * scene.frame.shown.light.z)) {}
+
+Phong::Light Phong::light(const glm::dvec3& normal, const glm::dvec3& to_viewer) const {
+  const double length = glm::length(normal);
+  if (!(length > 0) || !std::isfinite(length)) return {};
+  glm::dvec3 n = normal / length;
+  if (glm::dot(n, to_viewer) < 0) n = -n;  // the side that is seen
+  const double towards_light = glm::dot(n, to_light_);
+  Light light{material_.ambient + material_.diffuse * std::abs(towards_light), 0};
+  if (towards_light > 0) {
+    const glm::dvec3 mirrored = 2 * towards_light * n - to_light_;
+    const double toward_eye = glm::dot(mirrored, to_viewer);
+    if (toward_eye > 0 && glm::dot(n, to_viewer) > 0)
+      light.highlight = material_.specular * std::pow(toward_eye, material_.exponent);
+  }
+  return light;
+}
+
+glm::dmat3 against_gradient(const glm::dmat3& direction, const glm::dvec3& size) {
+  const double smallest = std::min({size.x, size.y, size.z});
+  const glm::dmat3 inverse = glm::inverse(direction);
+  glm::dmat3 against{1.0};
+  // The gradient is a covector, so it is mapped by the inverse transpose, whose columns are the inverse's
+  // rows.
+  for (int k = 0; k < 3; ++k)
+    against[k] = -(smallest / size[k]) * glm::dvec3(inverse[0][k], inverse[1][k], inverse[2][k]);
+  return against;
+}
+
+Gradients::Gradients(const Scene& scene)
+    : scene_(scene), to_world_(against_gradient(scene.grid.direction, scene.grid.spacing)) {
+  double largest = 0;
+  for (const double v : scene.values)
+    if (std::isfinite(v)) largest = std::max(largest, std::abs(v));
+  if (largest > 0) scale_ = 1 / static_cast<long double>(largest);
+}
+
+glm::dvec3 Gradients::at(const glm::ivec3& voxel) const {
+  const auto& dims = scene_.grid.dims;
+  const std::size_t stride[3] = {1, std::size_t(dims.x), std::size_t(dims.x) * std::size_t(dims.y)};
+  const std::size_t here = scene_.index(voxel);
+  const double centre = scene_.values[here];
+  if (!std::isfinite(centre)) return glm::dvec3(0.0);
+  glm::dvec3 difference{0.0};
+  for (int k = 0; k < 3; ++k) {
+    double before = centre, after = centre;
+    int steps = 0;
+    if (voxel[k] > 0 && std::isfinite(scene_.values[here - stride[k]]))
+      before = scene_.values[here - stride[k]], ++steps;
+    if (voxel[k] + 1 < dims[k] && std::isfinite(scene_.values[here + stride[k]]))
+      after = scene_.values[here + stride[k]], ++steps;
+    if (steps > 0)
+      difference[k] = static_cast<double>(
+          (static_cast<long double>(after) - static_cast<long double>(before)) * scale_ / steps);
+  }
+  return to_world_ * difference;
 }
 
 }  // namespace ringsplat::truth

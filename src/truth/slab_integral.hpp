@@ -1,7 +1,7 @@
 #pragma once
 #include <glm/vec3.hpp>
 
-#include "truth/transfer_curve.hpp"
+#include "truth/scene.hpp"
 
 namespace ringsplat::truth {
 

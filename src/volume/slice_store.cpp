@@ -6,7 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "base/huge_pages.hpp"
+#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/copy_row.hpp"
 

@@ -3,7 +3,6 @@
 #include <set>
 
 #include "forecast/forecast.hpp"
-#include "forecast/token_times.hpp"
 #include "program/layouts.hpp"
 #include "support/catch.hpp"
 #include "volume/synth.hpp"

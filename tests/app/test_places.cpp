@@ -1,4 +1,4 @@
-#include "app/places.hpp"
+#include "app/loading.hpp"
 
 #include "app/program_runner.hpp"
 #include "support/catch.hpp"

@@ -1,5 +1,5 @@
 // Which transfer functions are too steep for splats, and that the program says so.
-#include "study/steepness.hpp"
+#include "options/transfer_function_option.hpp"
 
 #include "app/program_runner.hpp"
 #include "support/catch.hpp"

@@ -3,7 +3,7 @@
 #include "app/program_runner.hpp"
 #include "images/image_io.hpp"
 #include "support/catch.hpp"
-#include "truth/metrics.hpp"
+#include "truth/sampling.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::app_test;

@@ -1,5 +1,5 @@
 // Views from a pipe: how many are read ahead, and what happens to lines that are no views.
-#include "app/view_stream.hpp"
+#include "app/views.hpp"
 
 #include <fcntl.h>
 #include <poll.h>

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <numeric>
 
-#include "frame/work_dealing.hpp"
+#include "frame/work_estimate.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -7,7 +7,7 @@
 #include "fuzz/driver.hpp"
 #include "fuzz/other_process.hpp"
 #include "fuzz/small_scene.hpp"
-#include "net/link_counts.hpp"
+#include "net/mesh.hpp"
 #include "net/message.hpp"
 #include "record/trace.hpp"
 #include "ringsplat/base/error.hpp"

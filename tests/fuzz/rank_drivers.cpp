@@ -8,8 +8,8 @@
 #include "ringsplat/base/error.hpp"
 #include "scene/scene.hpp"
 #include "session/directed_frames.hpp"
-#include "session/engines.hpp"
-#include "simulate/simulated_engines.hpp"
+#include "session/render_frames.hpp"
+#include "simulate/meter.hpp"
 #include "support/scenes.hpp"
 
 namespace ringsplat::fuzz {

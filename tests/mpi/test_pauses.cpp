@@ -1,4 +1,4 @@
-#include "mpi/pauses.hpp"
+#include "mpi/connections.hpp"
 
 #include <utility>
 

@@ -3,7 +3,7 @@
 #include <set>
 
 #include "protocol/bundle_engine.hpp"
-#include "protocol/loopback_run.hpp"
+#include "protocol/rank.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"
 

@@ -1,6 +1,6 @@
 // Volumes that lie in blocks on processes.
 #include "ringsplat/base/error.hpp"
-#include "scene/voxel_blocks.hpp"
+#include "scene/dealer.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
 #include "support/random_blocks.hpp"

@@ -8,7 +8,7 @@
 #include "protocol/rank.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/directed_frames.hpp"
-#include "session/engines.hpp"
+#include "session/render_frames.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 

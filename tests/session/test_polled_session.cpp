@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "ringsplat/session/session.hpp"
-#include "session/session_parts.hpp"
+#include "session/render_frames.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -4,7 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "ringsplat/base/error.hpp"
-#include "study/measured_error.hpp"
+#include "study/error_budget.hpp"
 #include "support/catch.hpp"
 #include "truth_support.hpp"
 #include "volume/synth.hpp"

@@ -3,7 +3,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
-#include "truth/metrics.hpp"
+#include "truth/sampling.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::truth;

@@ -6,7 +6,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
-#include "truth/shading.hpp"
+#include "truth/scene.hpp"
 #include "truth_support.hpp"
 
 using namespace ringsplat;

@@ -5,9 +5,9 @@
 #include <limits>
 
 #include "ringsplat/base/error.hpp"
-#include "study/measured_error.hpp"
+#include "study/error_budget.hpp"
 #include "support/catch.hpp"
-#include "truth/shading.hpp"
+#include "truth/scene.hpp"
 #include "truth/slab_integral.hpp"
 #include "truth_support.hpp"
 

@@ -11,12 +11,12 @@
 
 #include "classify/normals.hpp"
 #include "ringsplat/formats/open.hpp"
-#include "study/measured_error.hpp"
+#include "study/error_budget.hpp"
 #include "support/scenes.hpp"
 #include "truth/closed_forms.hpp"
 #include "truth/field.hpp"
 #include "truth/method.hpp"
-#include "truth/metrics.hpp"
+#include "truth/sampling.hpp"
 
 namespace ringsplat::test {
 

@@ -17,7 +17,7 @@
 #include <utility>
 
 #include "base/child_program.hpp"
-#include "base/own_place.hpp"
+#include "base/process.hpp"
 #include "formats/limits.hpp"
 
 namespace ringsplat::detail {
