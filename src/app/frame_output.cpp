@@ -142,7 +142,7 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
       written && !names_film(options_.output) ? file.string() : fmt::format("frame {}", result.spec.frame);
   const Overlay overlay = written && annotation_ ? annotation_->overlay(result.spec, range) : Overlay{};
   if (written && names_film(options_.output))
-    film_.add(result.image, options_.background, overlay);
+    add_to_film(result.image, overlay);
   else if (written)
     write_image(result.image, file, options_.background,
                 picture_settings(result.spec, volume, options_.annotate, channels_, error), overlay);
@@ -181,7 +181,8 @@ void FrameOutput::finish() {
 void FrameOutput::make_film() {
   if (!names_film(options_.output)) return;
   progress_.begin("making the film", 0);
-  film_.write(options_.output);
+  if (film_) write_text(options_.output, film_->encode(serve::Movie::Clock::now() + std::chrono::hours(1)));
+  film_.reset();
   progress_.end();
   progress_.print(options_.output);
 }
@@ -221,17 +222,12 @@ void check_film(const RenderOptions& o) {
   find_ffmpeg(o.output);
 }
 
-void Film::add(const Image& image, const std::optional<glm::dvec3>& background, const Overlay& overlay) {
-  if (!movie_)
-    movie_.emplace(find_ffmpeg("film.mp4"), serve::MoviePlan{.width = image.width, .height = image.height});
-  movie_->add(count_++, image_bytes(image, ".png", background.value_or(glm::dvec3(0)), {}, overlay));
-}
-
-void Film::write(const fs::path& file) {
-  if (!movie_) return;
-  const std::string bytes = movie_->encode(serve::Movie::Clock::now() + std::chrono::hours(1));
-  write_text(file, bytes);
-  movie_.reset();
+void FrameOutput::add_to_film(const Image& image, const Overlay& overlay) {
+  if (!film_)
+    film_.emplace(find_ffmpeg(options_.output),
+                  serve::MoviePlan{.width = image.width, .height = image.height});
+  const glm::dvec3 background = options_.background.value_or(glm::dvec3(0));
+  film_->add(film_pictures_++, image_bytes(image, ".png", background, {}, overlay));
 }
 
 fs::path output_file(const RenderOptions& options, std::size_t view) {

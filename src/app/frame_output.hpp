@@ -95,20 +95,6 @@ bool names_film(const std::filesystem::path& output);
 /// Throws InputError for a run that makes no film, and where there is no ffmpeg.
 void check_film(const RenderOptions& options);
 
-/// The pictures of a run as one file, -o FILM.mp4, made by ffmpeg.
-class Film {
- public:
-  /// Appends a picture over a background in linear light; none: black.
-  void add(const Image& image, const std::optional<glm::dvec3>& background, const Overlay& overlay);
-  /// Takes as long as ffmpeg does. Throws RunError when it fails or the file cannot be written; a file that
-  /// had the name is then still there.
-  void write(const std::filesystem::path& file);
-
- private:
-  std::optional<serve::Movie> movie_;
-  int count_ = 0;
-};
-
 class StatsOutput;
 
 /// Outputs finished frames: pictures, a line of results each, and statistics. Lives on rank 0 and writes on a
@@ -140,6 +126,8 @@ class FrameOutput {
   /// cannot be written.
   void finish();
   /// Has ffmpeg make the film, where -o names one. Takes long: after finish(), when no rank waits any more.
+  /// Throws RunError when ffmpeg fails or the file cannot be written; a file that had the name is then still
+  /// there.
   void make_film();
   /// Most pictures held at once by a run with `options` and `frames` frames in all.
   static std::size_t most_held(const RenderOptions& options, std::size_t frames);
@@ -154,6 +142,7 @@ class FrameOutput {
   /// Warns of the first frame of a kind and counts them.
   void warn(const std::string& label, const std::string& why, int& frames);
   void write(const FinishedFrame& frame, const MeasuredError* error);
+  void add_to_film(const Image& image, const Overlay& overlay);
   const MeasuredError& error_of(KeptFrame& kept);
   std::string summary() const;
 
@@ -162,7 +151,8 @@ class FrameOutput {
   ValueRange range_;
   std::optional<Annotation> annotation_;
   const std::vector<DrawnChannel>& channels_;
-  Film film_;
+  std::optional<serve::Movie> film_;  ///< -o FILM.mp4, once it has a picture
+  int film_pictures_ = 0;
   Progress& progress_;
   std::vector<KeptFrame> kept_;
   std::optional<truth::Scene> truth_;  ///< while errors are measured
