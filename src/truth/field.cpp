@@ -7,7 +7,6 @@
 #include <limits>
 #include <optional>
 
-#include "truth/cell.hpp"
 #include "truth/quadrature.hpp"
 #include "truth/ray.hpp"
 

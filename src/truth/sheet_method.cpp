@@ -3,7 +3,6 @@
 #include <cmath>
 #include <optional>
 
-#include "truth/cell.hpp"
 #include "truth/method.hpp"
 #include "truth/ray.hpp"
 #include "truth/slab_integral.hpp"
