@@ -1,6 +1,5 @@
 #include "app/views.hpp"
 
-
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>

@@ -51,8 +51,7 @@ std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner, 
 
 /// A GP's encoder for a frame of sheets that is only counted, of a volume whose slices have `voxel_weight`
 /// times as many voxels: as many blocks as those have, as large on the screen, are looked at and sent.
-/// Payloads are measured ones (simulate/meter.hpp). `store` must outlive it. Throws RunError as
-/// make_sheet_encoder().
+/// Payloads are measured ones. `store` must outlive it. Throws RunError as make_sheet_encoder().
 std::unique_ptr<Encoder> make_weighed_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
                                               const SliceStore& store, double voxel_weight);
 
