@@ -82,7 +82,7 @@ void say_which_frame(const VolumeNotes& notes, const VolumeChoice& choice,
 /// pictures, unless the folder is a format of its own.
 Open format_of_folder(const std::filesystem::path& folder) {
   const auto has = [&](const char* name) { return std::filesystem::exists(folder / name); };
-  if (has("zarr.json") || has(".zarray") || has(".zgroup")) return detail::open_zarr;
+  if (has("zarr.json") || has(".zarray") || has(".zgroup") || has("attributes.json")) return detail::open_zarr;
   if (has("Header") && has("Level_0"))
     throw InputError(
         fmt::format("{} is an AMReX plotfile, whose boxes differ in resolution", folder.string()),

@@ -44,7 +44,8 @@ std::vector<Case> all_cases() {
   std::vector<Case> cases;
   if (!fs::exists(RINGSPLAT_OTHERS_FILES)) return cases;
   for (const auto& entry : fs::recursive_directory_iterator(RINGSPLAT_OTHERS_FILES))
-    if (entry.path().extension() == ".json" && entry.path().filename() != "zarr.json")
+    if (entry.path().extension() == ".json" && entry.path().filename() != "zarr.json" &&
+        entry.path().filename() != "attributes.json")
       cases.push_back({entry.path().parent_path(), json::parse(std::ifstream(entry.path())),
                        entry.path().stem().string()});
   std::sort(cases.begin(), cases.end(), [](const Case& a, const Case& b) { return a.name < b.name; });

@@ -208,3 +208,51 @@ TEST_CASE("of an image's levels the finest that fits is shown, unless one is nam
   CHECK(dims_and_level("a.zarr/0", 1) == "5 1 of 2");
   CHECK(dims_and_level("a.zarr/1", std::nullopt) == "3 2 of 2");
 }
+
+namespace {
+
+/// The sample volume in N5, in two blocks, each behind a head; what a test changes are words of the metadata.
+fs::path write_n5(const fs::path& folder, const Changes& changes = {}, const std::string& head = n5_head(1)) {
+  fs::create_directories(folder / "0/0");
+  write(folder / "attributes.json", n5_json(changes));
+  write(folder / "0/0/0", n5_head(2) + samples<short>(true).substr(0, 80));
+  write(folder / "0/0/1", head + samples<short>(true).substr(80));
+  return folder;
+}
+
+Bad n5(const char* what, const char* message, const Changes& changes, const std::string& head = n5_head(1)) {
+  return {what, message, [=](const Folder& f) { return write_n5(f / "a.n5", changes, head); }};
+}
+
+}  // namespace
+
+TEST_CASE("an N5 array may have blocks that are not there", "[zarr]") {
+  const Folder folder;
+  const auto path = write_n5(folder / "a.n5");
+  CHECK((read_all(*open_volume(path)) == samples<short>()));
+  fs::remove(path / "0/0/1");
+  CHECK((read_all(*open_volume(path)) == samples<short>().substr(0, 80) + std::string(40, '\0')));
+}
+
+TEST_CASE("N5 arrays that are damaged are refused", "[bad]") {
+  const std::string block = "its chunks are not of the size that the metadata say";
+  check_all({
+      n5("no type", "key 'dataType' not found", {{"dataType", "type"}}),
+      n5("objects", "values are of type 'object'", {{"int16", "object"}}),
+      n5("no sizes", "0 is no size", {{"[5, 4, 3]", "[5, 0, 3]"}}),
+      n5("two sizes", "its shape does not fit its chunks", {{"[5, 4, 2]", "[5, 4]"}}),
+      n5("LZ4 in frames", "its codec 'LZ4 in frames' is not read there", {{"raw", "lz4"}}),
+      n5("steps", "its metadata cannot be read",
+         {{"\"dataType", "\"resolution\": [1, \"two\", 3], \"dataType"}}),
+      n5("no step", "spacing 0 2 3", {{"\"dataType", "\"resolution\": [0, 2, 3], \"dataType"}}),
+      n5("kind of block", "have other axes than the array", {},
+         std::string("\0\1\0\3", 4) + n5_head(1).substr(4)),
+      n5("axes of a block", "have other axes than the array", {},
+         std::string("\0\0\0\2", 4) + n5_head(1).substr(4)),
+      n5("small block", block.c_str(), {}, n5_head(0)),
+      n5("large block", block.c_str(), {}, n5_head(3)),
+      n5("block of more than there is", "damaged, or not of the size", {}, n5_head(2)),
+      n5("no head", "have other axes than the array", {}, ""),
+      n5("no gzip", "cut short or damaged", {{"raw", "gzip"}}),
+  });
+}

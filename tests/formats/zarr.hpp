@@ -34,6 +34,17 @@ inline fs::path write_zarr(const fs::path& folder, const std::string& json,
   return folder;
 }
 
+/// The metadata of an N5 array, and what is before the numbers of a block of so many slices.
+inline std::string n5_json(const std::map<std::string, std::string>& changed = {}) {
+  std::string text = R"({"dimensions": [5, 4, 3], "blockSize": [5, 4, 2], "dataType": "int16",
+ "compression": {"type": "raw"}})";
+  for (const auto& [from, to] : changed) text.replace(text.find(from), from.size(), to);
+  return text;
+}
+inline std::string n5_head(int slices) {
+  return std::string("\0\0\0\3", 4) + bytes_of(nx, true) + bytes_of(ny, true) + bytes_of(slices, true);
+}
+
 inline const std::string zarr_gzip = R"(}, {"name": "gzip", "configuration": {"level": 5}}])";
 
 }  // namespace files

@@ -30,11 +30,17 @@ Json read_json(const std::filesystem::path& file) {
 }  // namespace
 
 std::optional<Node> node_at(const std::filesystem::path& folder) {
-  for (const std::string name : {"zarr.json", ".zarray", ".zgroup"}) {
-    Node node{.folder = folder, .file = folder / name, .version_3 = name[0] != '.', .json = {}};
+  for (const std::string name : {"zarr.json", ".zarray", ".zgroup", "attributes.json"}) {
+    Node node{.folder = folder,
+              .file = folder / name,
+              .version_3 = name[0] == 'z',
+              .n5 = name[0] == 'a',
+              .json = {}};
     if (!std::filesystem::exists(node.file)) continue;
     node.json = read_json(node.file);
-    node.is_array = node.version_3 ? node.json.at("node_type") == "array" : name == ".zarray";
+    node.is_array = node.version_3 ? node.json.at("node_type") == "array"
+                    : node.n5      ? node.json.contains("dimensions")
+                                   : name == ".zarray";
     if (node.version_3)
       node.ome = node.json.value("/attributes/ome"_json_pointer, node.ome);
     else if (std::filesystem::exists(folder / ".zattrs"))
@@ -53,7 +59,9 @@ std::string text_in(const Json& json, const char* name) {
 
 Sizes sizes_in(const Node& node, const Json& list, int least) {
   Sizes sizes;
-  for (const double size : list.get<std::vector<double>>()) {
+  auto given = list.get<std::vector<double>>();
+  if (node.n5) std::ranges::reverse(given);
+  for (const double size : given) {
     if (!(size >= least && size <= std::numeric_limits<int>::max() && size == std::trunc(size)))
       node.fail("{} is no size", size);
     sizes.push_back(std::int64_t(size));
@@ -86,7 +94,7 @@ double fill_of(const Node& node, std::string_view code) {
 void set_compressor(const Node& node, const std::string& name, Array& array) {
   using enum Compressor;
   constexpr std::pair<const char*, Compressor> compressors[] = {
-      {"blosc", blosc}, {"zstd", zstd}, {"gzip", deflate}, {"zlib", deflate}, {"lz4", lz4}};
+      {"blosc", blosc}, {"zstd", zstd}, {"gzip", deflate}, {"zlib", deflate}, {"lz4", lz4}, {"xz", lzma}};
   for (const auto& [known, compressor] : compressors)
     if (name == known || name == fmt::format("numcodecs.{}", known))
       if (std::exchange(array.compressor, compressor) == none && array.checksum == 0) return;
@@ -145,6 +153,17 @@ void read_version_3(const Node& node, Array& array) {
   if (!as_before) array.prefix = "c" + array.separator;
 }
 
+/// N5 (github.com/saalfeldlab/n5, "File-system specification") lists the fastest axis first.
+void read_n5(const Node& node, Array& array) {
+  const auto& json = node.json;
+  array.n5 = array.big_endian = true;
+  array.file = array.chunk = sizes_in(node, json.at("blockSize"));
+  array.type = type_of(node, json.at("dataType").get<std::string>());
+  array.separator = "/";
+  const auto name = json.value("/compression/type"_json_pointer, "raw");
+  if (name != "raw") set_compressor(node, name == "lz4" ? "LZ4 in frames" : name, array);
+}
+
 void check(const Node& node, Array& array) {
   constexpr std::uint64_t most = std::uint64_t{4} << 30;
   const auto axes = array.shape.size();
@@ -171,13 +190,15 @@ void check(const Node& node, Array& array) {
 
 Array array_of(const Node& node) {
   Array array;
-  array.shape = sizes_in(node, node.json.at("shape"));
+  array.shape = sizes_in(node, node.json.at(node.n5 ? "dimensions" : "shape"));
   constexpr std::size_t most_axes = 16;
   if (array.shape.size() < 2 || array.shape.size() > most_axes)
     refuse(node.file, "name an array of three dimensions", "it has {} axes", array.shape.size());
   array.order.resize(array.shape.size());
   std::iota(array.order.begin(), array.order.end(), 0);
-  if (node.version_3)
+  if (node.n5)
+    read_n5(node, array);
+  else if (node.version_3)
     read_version_3(node, array);
   else
     read_version_2(node, array);

@@ -19,10 +19,10 @@ using Json = nlohmann::json;
 /// Sizes or places along the axes of an array, the last of which is the fastest.
 using Sizes = std::vector<std::int64_t>;
 
-/// A group or an array, by its files of JSON (Zarr storage specification, versions 2 and 3).
+/// A group or an array, by its files of JSON (Zarr storage specification, versions 2 and 3; N5).
 struct Node {
   std::filesystem::path folder, file;
-  bool version_3 = false, is_array = false;
+  bool version_3 = false, n5 = false, is_array = false;
   Json json;
   Json ome = Json::object();  ///< what OME-Zarr says of an image; in version 2 all attributes
 
@@ -38,7 +38,8 @@ struct Array {
   Sizes file;  ///< the voxels in a file, a chunk's or a shard's, of which a chunk is a whole part
   const NumberType* type = nullptr;
   double fill = 0;
-  Sizes order;  ///< the axes as a chunk holds them, the slowest first
+  Sizes order;      ///< the axes as a chunk holds them, the slowest first
+  bool n5 = false;  ///< chunks begin with their sizes, and files' names have the axes the other way round
   bool big_endian = false;
   Compressor compressor = Compressor::none;
   std::uint64_t checksum = 0;  ///< bytes behind a chunk, which are not looked at
@@ -55,7 +56,7 @@ std::optional<Node> node_at(const std::filesystem::path& folder);
 Json list_in(const Json& json, const char* name);
 /// The text of that name; empty where there is none.
 std::string text_in(const Json& json, const char* name);
-/// Whole numbers from `least` on. Throws InputError where they are not.
+/// Whole numbers from `least` on, the slowest axis' first. Throws InputError where they are not.
 Sizes sizes_in(const Node& node, const Json& list, int least = 1);
 /// What an array's metadata say. Throws InputError for what is not read, and Json::exception where something
 /// is missing or of another type.

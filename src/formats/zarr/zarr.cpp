@@ -12,6 +12,7 @@
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "formats/axes.hpp"
+#include "formats/binary_fields.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
 #include "formats/stored_source.hpp"
@@ -31,8 +32,10 @@ constexpr int slice_sets = 3;
 /// The file that holds a place.
 std::filesystem::path file_of(const Node& node, const Array& array, const Sizes& place) {
   std::string name = array.prefix;
-  for (std::size_t k = 0; k < place.size(); ++k)
-    name += fmt::format("{}{}", k == 0 ? "" : array.separator, place[k] / array.file[k]);
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    const auto k = array.n5 ? place.size() - 1 - i : i;
+    name += fmt::format("{}{}", i == 0 ? "" : array.separator, place[k] / array.file[k]);
+  }
   return node.folder / name;
 }
 
@@ -125,6 +128,7 @@ class ZarrSource final : public LayeredSource {
     if (!file_ || file_->path() != path) file_.emplace(path);
     std::uint64_t offset = 0, bytes = file_->size();
     if (array_.sharded && !find_in_shard(chunk, offset, bytes)) return false;
+    if (array_.n5) read_sizes(chunk, offset, bytes);
     if (offset > file_->size() || bytes > file_->size() - offset || bytes < array_.checksum)
       fail("do not lie within it");
     unpack(offset, bytes - array_.checksum);
@@ -146,6 +150,24 @@ class ZarrSource final : public LayeredSource {
     offset = place[0];
     bytes = place[1];
     return (offset & bytes) != ~std::uint64_t{0};
+  }
+
+  /// Of N5: a number that is 0, the number of axes, the sizes, which may end where the array does.
+  void read_sizes(const Sizes& chunk, std::uint64_t& offset, std::uint64_t& bytes) {
+    std::vector<std::byte> head(4 + 4 * chunk.size());
+    file_->read(0, head);
+    const BinaryFields fields(head, true);
+    if (fields.at<std::uint32_t>(0) != chunk.size()) fail("have other axes than the array");
+    array_.chunk_bytes = array_.type->bytes();
+    for (std::size_t k = chunk.size(), at = 4; k-- > 0; at += 4) {
+      const std::int64_t size = fields.at<std::uint32_t>(at), most = array_.chunk[k];
+      if (size > most || size < std::min(most, array_.shape[k] - chunk[k]))
+        fail("are not of the size that the metadata say");
+      from_[k] = std::int64_t(array_.chunk_bytes / array_.type->bytes());
+      array_.chunk_bytes *= std::uint64_t(size);
+    }
+    offset = head.size();
+    bytes -= head.size();
   }
 
   void unpack(std::uint64_t offset, std::uint64_t bytes) {
@@ -200,7 +222,18 @@ ChannelNotes channel_in(const Json& json) {
   return notes;
 }
 
-/// By what OME-Zarr says of an image and its level. Lengths are made micrometres where all have units.
+/// Where all lengths have units.
+void use_micrometres(DatasetMeaning& meaning) {
+  for (const auto& axis : meaning.axes)
+    if (axis.role == Role::space && !micrometres_in(axis.unit)) return;
+  meaning.notes.unit = "um";
+  for (auto& axis : meaning.axes) {
+    axis.spacing *= micrometres_in(axis.unit).value_or(1);
+    axis.first *= micrometres_in(axis.unit).value_or(1);
+  }
+}
+
+/// By what OME-Zarr says of an image and its level.
 void describe(const Node& group, const Json& image, const Json& level, DatasetMeaning& meaning) {
   auto& axes = meaning.axes;
   const auto described = list_in(image, "axes");
@@ -226,13 +259,7 @@ void describe(const Node& group, const Json& image, const Json& level, DatasetMe
   meaning.notes.labels |= group.ome.contains("image-label");
   for (const auto& channel : group.ome.value("/omero/channels"_json_pointer, Json::array()))
     meaning.notes.of_channels.push_back(channel_in(channel));
-  for (const auto& axis : axes)
-    if (axis.role == Role::space && !micrometres_in(axis.unit)) return;
-  meaning.notes.unit = "um";
-  for (auto& axis : axes) {
-    axis.spacing *= micrometres_in(axis.unit).value_or(1);
-    axis.first *= micrometres_in(axis.unit).value_or(1);
-  }
+  use_micrometres(meaning);
 }
 
 /// Where a level of an image lies.
@@ -260,15 +287,31 @@ Node only_one(const Node& group) {
 }
 
 /// By the axes' names: an attribute of xarray's in version 2.
-void describe_axes(const Node& array, DatasetMeaning& meaning) {
-  const auto names =
-      array.version_3 ? list_in(array.json, "dimension_names") : list_in(array.ome, "_ARRAY_DIMENSIONS");
-  for (const auto size : sizes_in(array, array.json.at("shape"))) {
-    const auto k = meaning.axes.size();
-    auto& axis = meaning.axes.emplace_back(DatasetAxis{.size = int(size)});
+void describe_axes(const Node& array, const Sizes& shape, DatasetMeaning& meaning) {
+  const auto names = array.version_3 ? list_in(array.json, "dimension_names")
+                     : array.n5      ? list_in(array.json, "axes")
+                                     : list_in(array.ome, "_ARRAY_DIMENSIONS");
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    const auto k = array.n5 ? shape.size() - 1 - i : i;
+    auto& axis = meaning.axes.emplace_back(DatasetAxis{.size = int(shape[i])});
     if (k < names.size() && names[k].is_string()) axis.name = lower_case(names[k]);
     describe_by_name(axis);
   }
+}
+
+/// What programs write beside an N5 array: steps and their units, along the fastest axis first.
+void describe_steps(const Json& json, DatasetMeaning& meaning) {
+  const auto steps = json.contains("resolution")
+                         ? json["resolution"]
+                         : json.value("/pixelResolution/dimensions"_json_pointer, Json::array());
+  const auto units = list_in(json, "units");
+  for (std::size_t k = 0; k < std::min(steps.size(), meaning.axes.size()); ++k) {
+    auto& axis = meaning.axes[meaning.axes.size() - 1 - k];
+    axis.spacing = steps[k].get<double>();
+    axis.unit =
+        k < units.size() ? units[k].get<std::string>() : json.value("/pixelResolution/unit"_json_pointer, "");
+  }
+  use_micrometres(meaning);
 }
 
 /// An array and what its axes mean.
@@ -281,7 +324,8 @@ struct Level {
 
 Level described_array(Node node) {
   Level level{node, array_of(node), {}};
-  describe_axes(node, level.meaning);
+  describe_axes(node, level.array.shape, level.meaning);
+  if (node.n5) describe_steps(node.json, level.meaning);
   return level;
 }
 
@@ -357,7 +401,7 @@ std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const
   }
   const Grid read = interleaved_grid(grid, part.components, where);
   require_chunks(node, read.bytes());
-  Facts facts{{"encoding", "Zarr"}};
+  Facts facts{{"encoding", node.n5 ? "N5" : "Zarr"}};
   if (levels > 1) facts.push_back({"level", fmt::format("{} of {}", level, levels)});
   auto source = std::make_unique<ZarrSource>(read, node, array, part, std::move(facts));
   return with_notes(channel_source(std::move(source), grid, part.components, part.channel), meaning.notes);
