@@ -208,4 +208,40 @@ Array array_of(const Node& node) {
   return array;
 }
 
+void use_micrometres(DatasetMeaning& meaning) {
+  for (const auto& axis : meaning.axes)
+    if (axis.role == DatasetAxis::Role::space && !micrometres_in(axis.unit)) return;
+  meaning.notes.unit = "um";
+  for (auto& axis : meaning.axes) {
+    axis.spacing *= micrometres_in(axis.unit).value_or(1);
+    axis.first *= micrometres_in(axis.unit).value_or(1);
+  }
+}
+
+void describe_axes(const Node& array, const Sizes& shape, DatasetMeaning& meaning) {
+  const auto names = array.version_3 ? list_in(array.json, "dimension_names")
+                     : array.n5      ? list_in(array.json, "axes")
+                                     : list_in(array.ome, "_ARRAY_DIMENSIONS");
+  for (std::size_t i = 0; i < shape.size(); ++i) {
+    const auto k = array.n5 ? shape.size() - 1 - i : i;
+    auto& axis = meaning.axes.emplace_back(DatasetAxis{.size = int(shape[i])});
+    if (k < names.size() && names[k].is_string()) axis.name = lower_case(names[k]);
+    describe_by_name(axis);
+  }
+}
+
+void describe_steps(const Json& json, DatasetMeaning& meaning) {
+  const auto steps = json.contains("resolution")
+                         ? json["resolution"]
+                         : json.value("/pixelResolution/dimensions"_json_pointer, Json::array());
+  const auto units = list_in(json, "units");
+  for (std::size_t k = 0; k < std::min(steps.size(), meaning.axes.size()); ++k) {
+    auto& axis = meaning.axes[meaning.axes.size() - 1 - k];
+    axis.spacing = steps[k].get<double>();
+    axis.unit =
+        k < units.size() ? units[k].get<std::string>() : json.value("/pixelResolution/unit"_json_pointer, "");
+  }
+  use_micrometres(meaning);
+}
+
 }  // namespace ringsplat::detail::zarr

@@ -62,4 +62,11 @@ Sizes sizes_in(const Node& node, const Json& list, int least = 1);
 /// is missing or of another type.
 Array array_of(const Node& node);
 
+/// Makes lengths micrometres where all have units.
+void use_micrometres(DatasetMeaning& meaning);
+/// Adds the array's axes by their names, which are an attribute of xarray's in version 2.
+void describe_axes(const Node& array, const Sizes& shape, DatasetMeaning& meaning);
+/// What programs write beside an N5 array: steps and their units, along the fastest axis first.
+void describe_steps(const Json& json, DatasetMeaning& meaning);
+
 }  // namespace ringsplat::detail::zarr

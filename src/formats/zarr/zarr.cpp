@@ -222,17 +222,6 @@ ChannelNotes channel_in(const Json& json) {
   return notes;
 }
 
-/// Where all lengths have units.
-void use_micrometres(DatasetMeaning& meaning) {
-  for (const auto& axis : meaning.axes)
-    if (axis.role == Role::space && !micrometres_in(axis.unit)) return;
-  meaning.notes.unit = "um";
-  for (auto& axis : meaning.axes) {
-    axis.spacing *= micrometres_in(axis.unit).value_or(1);
-    axis.first *= micrometres_in(axis.unit).value_or(1);
-  }
-}
-
 /// By what OME-Zarr says of an image and its level.
 void describe(const Node& group, const Json& image, const Json& level, DatasetMeaning& meaning) {
   auto& axes = meaning.axes;
@@ -284,34 +273,6 @@ Node only_one(const Node& group) {
   std::ranges::sort(found);
   refuse(group.folder, "name the folder of an array or an image", "the group holds {}",
          found.empty() ? "none" : "several: " + comma_list(found));
-}
-
-/// By the axes' names: an attribute of xarray's in version 2.
-void describe_axes(const Node& array, const Sizes& shape, DatasetMeaning& meaning) {
-  const auto names = array.version_3 ? list_in(array.json, "dimension_names")
-                     : array.n5      ? list_in(array.json, "axes")
-                                     : list_in(array.ome, "_ARRAY_DIMENSIONS");
-  for (std::size_t i = 0; i < shape.size(); ++i) {
-    const auto k = array.n5 ? shape.size() - 1 - i : i;
-    auto& axis = meaning.axes.emplace_back(DatasetAxis{.size = int(shape[i])});
-    if (k < names.size() && names[k].is_string()) axis.name = lower_case(names[k]);
-    describe_by_name(axis);
-  }
-}
-
-/// What programs write beside an N5 array: steps and their units, along the fastest axis first.
-void describe_steps(const Json& json, DatasetMeaning& meaning) {
-  const auto steps = json.contains("resolution")
-                         ? json["resolution"]
-                         : json.value("/pixelResolution/dimensions"_json_pointer, Json::array());
-  const auto units = list_in(json, "units");
-  for (std::size_t k = 0; k < std::min(steps.size(), meaning.axes.size()); ++k) {
-    auto& axis = meaning.axes[meaning.axes.size() - 1 - k];
-    axis.spacing = steps[k].get<double>();
-    axis.unit =
-        k < units.size() ? units[k].get<std::string>() : json.value("/pixelResolution/unit"_json_pointer, "");
-  }
-  use_micrometres(meaning);
 }
 
 /// An array and what its axes mean.
