@@ -346,6 +346,36 @@ void run_fits(std::span<const std::byte> input) {
   open_and_use(text_of(input).starts_with("\x1f\x8b") ? "a.fits.gz" : "a.fits", input, 2 * deflate_ratio);
 }
 
+/// Parts: an array's metadata, and the bytes of both its blocks.
+std::vector<Input> n5_seeds() {
+  const auto block = samples<short>(true).substr(0, 80);
+  std::vector<Input> seeds;
+  for (const auto& [metadata, values] :
+       {std::pair(n5_json({{"2]", "2], \"resolution\": [1, 2, 3], \"units\": [\"nm\", \"nm\", \"nm\"]"}}),
+                  block),
+        std::pair(n5_json({{"raw", "gzip"}}), gzip(block)),
+        std::pair(n5_json({{"raw", "xz"}}), xz_stream(block))}) {
+    Input input;
+    for (const auto& part : {metadata, n5_head(2) + values}) append_part(input, bytes_of_input(part));
+    seeds.push_back(input);
+  }
+  return seeds;
+}
+
+void run_n5(std::span<const std::byte> input) {
+  std::string metadata, block;
+  std::span<const std::byte> part, rest = input;
+  for (auto* text : {&metadata, &block})
+    if (take_part(rest, part)) *text = text_of(part);
+  const fs::path folder = scratch() / "n5";
+  fs::create_directories(folder / "0/0");
+  write(folder / "attributes.json", metadata);
+  for (const char* name : {"0/0/0", "0/0/1"}) write(folder / name, block);
+  const auto source = open_volume(folder);
+  constexpr std::int64_t most_voxels = 10'000;  // each may be a file
+  if (source->grid().voxels() <= most_voxels) use(*source, 4 * block.size() + metadata.size(), any_ratio);
+}
+
 /// Parts: an array's metadata, what its group or its attributes say, and the bytes of each chunk.
 std::vector<Input> zarr_seeds() {
   const std::string bytes = R"({"name": "bytes", "configuration": {"endian": "little"}})";
@@ -534,6 +564,9 @@ const Words zarr_words{
     "NaN", "-Infinity", "0x7fc00000", "codecs", "bytes", "transpose", "order", "blosc", "zstd", "gzip", "lz4", "crc32c",
     "sharding_indexed", "index_codecs", "index_location", "start", "float16", "float64", "int64", "uint64", "bool", "<f4", "|u1", "<i8",
     "dimension_names", "axes", "channel", "time", "\"t\"", "\"c\"", "datasets", "path", "..", "scale", "translation", "ome", "null"};
+const Words n5_words{
+    "dimensions", "blockSize", "dataType", "compression", "type", "raw", "gzip", "zstd", "blosc", "xz", "lz4", "resolution",
+    "pixelResolution", "unit", "units", "axes", "\"c\"", "\"t\"", "uint8", "int64", "float64", "1e9", "-1", "null", "\0\0\0\3"};
 const Words fits_words{
     "SIMPLE  = T", "END     ", "BITPIX  = ", "NAXIS   = ", "NAXIS1  = ", "NAXIS4  = ", "BSCALE  = ", "BZERO   = ", "BLANK   = ",
     "XTENSION= 'IMAGE   '", "'BINTABLE'", "PCOUNT  = ", "GCOUNT  = ", "CUNIT1  = 'm'", "CDELT1  = ", "-32", "-64", "2147483647", "/"};
@@ -561,6 +594,7 @@ std::vector<Driver> volume_drivers() {
           {"mrc", run_mrc, mrc_seeds, {"MAP ", "IMOD", "DD\x11\x11", "\x1f\x8b"}, 6000},
           {"mgh", run_mgh, mgh_seeds, {"\x1f\x8b", std::string_view("\0\0\0\1", 4), "\x7f\xc0"}, 6000},
           {"fits", run_fits, fits_seeds, fits_words, 6000},
+          {"n5", run_n5, n5_seeds, n5_words, 1000},
           {"zarr", run_zarr, zarr_seeds, zarr_words, 400},
           {"raw", run_raw, raw_seeds, raw_words, 1500}};
 }
