@@ -162,6 +162,26 @@ FrameRange parse_frames(const std::string& text, const std::string& option) {
   return range;
 }
 
+ShownLabels parse_mask(const std::string& text, const std::string& option) {
+  const auto at = text.rfind('=');
+  ShownLabels mask{text.substr(0, at), {}};
+  const auto refuse = [&](const char* what) {
+    throw InputError(fmt::format("{} '{}' {}", option, printable(text), what),
+                     fmt::format("{0} seg.nrrd, or with labels {0} seg.nrrd=1,3-5", option));
+  };
+  if (mask.path.empty()) refuse("names no file");
+  if (at == std::string::npos) return mask;
+  for (const std::string_view part : split(std::string_view(text).substr(at + 1), ",")) {
+    const auto ends = split(part, "-");
+    std::optional<int> first, last;
+    if (ends.size() > 2 || !take(ends.front(), first) || !take(ends.back(), last) || !first || !last)
+      refuse("has something else than labels behind =");
+    if (*last < *first) refuse("has a range of labels that ends before it begins");
+    mask.labels.emplace_back(*first, *last);
+  }
+  return mask;
+}
+
 std::vector<std::string> colour_names() {
   std::vector<std::string> names;
   for (const auto& [name, rgb] : named_colours) names.emplace_back(name);

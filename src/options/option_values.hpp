@@ -9,6 +9,7 @@
 
 #include "classify/auto_preset.hpp"
 #include "ringsplat/volume/voxel_box.hpp"
+#include "volume/masked.hpp"
 
 /// Turns what people type for an option into values. Every function throws InputError that names the option
 /// (`option`, such as "--size") and shows a value that works.
@@ -57,6 +58,14 @@ std::string closest(const std::string& word, const std::vector<std::string>& kno
 DataRange parse_window(const std::string& text, const std::string& option);
 /// A number above 0.
 double parse_density(const std::string& text, const std::string& option);
+
+/// The labels of a segmentation that are shown.
+struct ShownLabels {
+  std::string path;  ///< empty: everything is shown
+  LabelRanges labels;
+};
+/// "FILE", or "FILE=1,3-5" with labels.
+ShownLabels parse_mask(const std::string& text, const std::string& option);
 
 /// What --frames says: from `first` to before `end`, every `step`-th.
 struct FrameRange {

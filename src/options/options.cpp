@@ -19,6 +19,12 @@ ScalarType parse_type(const std::string& text, const std::string&) { return scal
 
 }  // namespace
 
+std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& o) {
+  auto volume = o.opener ? o.opener(o.choice) : ringsplat::open_volume(o.path, o.raw, o.choice);
+  if (o.mask.path.empty()) return volume;
+  return masked_source(std::move(volume), ringsplat::open_volume(o.mask.path), o.mask.labels);
+}
+
 void add_volume_options(OptionList& list, VolumeOptions& o) {
   list.below("Volume") += {
       {"volume", "VOLUME", nullptr,
@@ -37,6 +43,10 @@ void add_volume_options(OptionList& list, VolumeOptions& o) {
       {"--memory", "SIZE", "a third of the machine's",
        "Of an OME-Zarr pyramid the finest level is taken whose voxels take at most this: 8G, 500M",
        parsed(o.choice.memory, parse_memory)},
+      {"--mask", "FILE[=LABELS]", nullptr,
+       "Show only what a segmentation covers, or of its labels some: seg.nrrd=1,3-5; of its own grid or "
+       "another",
+       parsed(o.mask, parse_mask)},
   };
 }
 
@@ -112,7 +122,8 @@ void add_protocol_options(OptionList& list, RunOptions& o) {
        value(o.protocol.send_ahead)},
       {"--keep", "MIB", nullptr,
        "Sheets: MiB of slices that a Renderer keeps, so that later frames need not send them again; without "
-       "it its share of 2048, or of a quarter of all slices where that is more, at least 256; of one view none",
+       "it its share of 2048, or of a quarter of all slices where that is more, at least 256; of one view "
+       "none",
        value(o.engine.keep, {.least = 0})},
       {"--stall-timeout", "SECONDS", initial,
        "Seconds without any progress until it is said which rank is waited for",

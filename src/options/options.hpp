@@ -29,11 +29,12 @@ constexpr const char* name(Side side) {
 
 enum class TransportChoice { automatic, mpi, loopback };
 
-/// The volume's file, the description of a raw file, and which of a file's volumes.
+/// The volume's file, the description of a raw file, which of a file's volumes, and what is shown of it.
 struct VolumeOptions {
   std::string path;
   RawDescription raw;
   VolumeChoice choice;
+  ShownLabels mask;
   /// Opens it where it is no file; `path` is then its name for people.
   std::function<std::unique_ptr<VolumeSource>(const VolumeChoice&)> opener = {};
 };
@@ -43,10 +44,7 @@ inline bool names_channels(const std::string& channel) {
   return channel == "all" || channel.find_first_of(",=") != std::string::npos;
 }
 
-inline std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& volume) {
-  if (volume.opener) return volume.opener(volume.choice);
-  return ringsplat::open_volume(volume.path, volume.raw, volume.choice);
-}
+std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& volume);
 
 /// Where the nodes run and how they talk.
 struct RunOptions {

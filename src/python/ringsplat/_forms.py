@@ -91,6 +91,7 @@ FORMS = {
     "X Y Z": ("Sequence[float]", _numbers),
     "RIGHT DOWN": ("tuple[float, float]", _numbers),
     "M11 ... M34": ("ArrayLike", _numbers),
+    "FILE[=LABELS]": ("str | os.PathLike[str]", _path),
     "NAME|FILE": ("str | os.PathLike[str] | dict[str, Any] | Sequence[Sequence[float]]", _path),
 }
 

@@ -14,6 +14,7 @@ class PictureOptions(TypedDict, total=False):
     channel: int | str | Sequence[int | str]
     series: str
     memory: str
+    mask: str | os.PathLike[str]
     dims: float | Sequence[float] | str
     type: str
     endian: Literal['little', 'big']
