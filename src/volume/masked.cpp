@@ -30,10 +30,11 @@ struct LatticeMap {
     turn = back * lattice(from);
     shift = back * (from.origin - to.origin);
   }
-  /// The nearest voxel; of two the one with the greater number, however places are rounded.
-  glm::ivec3 nearest(const glm::dvec3& place) const {
-    constexpr double rounding = 1e-9, most = 1e9;
-    return glm::ivec3(glm::clamp(glm::floor(turn * place + shift + (0.5 + rounding)), -most, most));
+  /// Rounded down it is the nearest voxel, of two the one with the greater number, however places are
+  /// rounded.
+  glm::dvec3 nearest(const glm::dvec3& place) const {
+    constexpr double rounding = 1e-9;
+    return turn * place + shift + (0.5 + rounding);
   }
 };
 
@@ -48,21 +49,14 @@ double outside_value(const VolumeNotes& notes, ScalarType type) {
   });
 }
 
-/// Whether two grids of the same size are taken to be the same: one of them says nothing of where it lies.
-bool by_voxels(const VolumeSource& volume, const VolumeSource& segmentation) {
-  const World world = volume.notes().world;
-  return volume.grid().dims == segmentation.grid().dims &&
-         (world != segmentation.notes().world || world == World::lattice);
-}
-
 class MaskedSource final : public ForwardingSource {
  public:
   MaskedSource(std::unique_ptr<VolumeSource> volume, std::unique_ptr<VolumeSource> segmentation,
-               LabelRanges labels)
+               LabelRanges labels, bool same_grid)
       : ForwardingSource(std::move(volume)),
         segmentation_(std::move(segmentation)),
         labels_(std::move(labels)),
-        map_(grid(), by_voxels(source_, *segmentation_) ? grid() : segmentation_->grid()),
+        map_(grid(), same_grid ? grid() : segmentation_->grid()),
         outside_(outside_value(source_.notes(), grid().type)) {}
 
   bool concurrent() const override { return source_.concurrent() && segmentation_->concurrent(); }
@@ -92,9 +86,10 @@ class MaskedSource final : public ForwardingSource {
       std::byte* to = slice.data();
       for (int y = 0; y < grid().dims.y; ++y)
         for (int x = 0; x < grid().dims.x; ++x, to += sizeof(T)) {
-          const glm::ivec3 at = map_.nearest({x, y, z});
-          const bool inside =
-              glm::all(glm::lessThanEqual(glm::ivec3(0), at)) && glm::all(glm::lessThan(at, dims));
+          const glm::dvec3 nearest = map_.nearest({x, y, z});
+          const bool inside = glm::all(glm::lessThanEqual(glm::dvec3(0), nearest)) &&
+                              glm::all(glm::lessThan(nearest, glm::dvec3(dims)));
+          const glm::ivec3 at = inside ? glm::ivec3(nearest) : glm::ivec3(0);
           if (!inside || !shown_[(std::size_t(at.z - first_) * dims.y + at.y) * dims.x + at.x])
             std::memcpy(to, &outside, sizeof(T));
         }
@@ -105,15 +100,14 @@ class MaskedSource final : public ForwardingSource {
   void read_labels(int z) {
     const Grid& there = segmentation_->grid();
     const glm::ivec3 last = grid().dims - 1;
-    int low = there.dims.z, high = -1;
+    double least = there.dims.z, greatest = -1;
     for (const int x : {0, last.x})
       for (const int y : {0, last.y}) {
-        const int at = map_.nearest({x, y, z}).z;
-        low = std::min(low, at);
-        high = std::max(high, at);
+        const double at = map_.nearest({x, y, z}).z;
+        least = std::min(least, at);
+        greatest = std::max(greatest, at);
       }
-    low = std::max(low, 0);
-    high = std::min(high, there.dims.z - 1);
+    const int low = int(std::max(least, 0.0)), high = int(std::floor(std::min(greatest, there.dims.z - 1.0)));
     if (low > high || (low >= first_ && high <= last_)) return;
     first_ = low;
     last_ = high;
@@ -143,11 +137,17 @@ class MaskedSource final : public ForwardingSource {
 
 std::unique_ptr<VolumeSource> masked_source(std::unique_ptr<VolumeSource> volume,
                                             std::unique_ptr<VolumeSource> segmentation, LabelRanges labels) {
-  if (volume->notes().world != segmentation->notes().world && !by_voxels(*volume, *segmentation))
+  const World world = volume->notes().world;
+  const bool same_world = world == segmentation->notes().world,
+             same_size = volume->grid().dims == segmentation->grid().dims;
+  if (!same_world && !same_size)
     throw InputError(
         "the segmentation's world coordinates are not of the volume's kind",
         "give one that is as many voxels along x, y and z, or has an orientation as the volume has");
-  return std::make_unique<MaskedSource>(std::move(volume), std::move(segmentation), std::move(labels));
+  // The lattice's own coordinates say nothing of where a grid lies.
+  const bool same_grid = same_size && (!same_world || world == World::lattice);
+  return std::make_unique<MaskedSource>(std::move(volume), std::move(segmentation), std::move(labels),
+                                        same_grid);
 }
 
 }  // namespace ringsplat
