@@ -16,17 +16,16 @@
 #include "app/render_job.hpp"
 #include "base/child_program.hpp"
 #include "base/log.hpp"
-#include "base/process.hpp"
 #include "classify/auto_preset.hpp"
 #include "classify/srgb.hpp"
 #include "formats/label_names.hpp"
-#include "frame/frame_geometry.hpp"
 #include "net/launcher.hpp"
 #include "options/option_tables.hpp"
 #include "options/transfer_function_option.hpp"
 #include "program/layouts.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/private_folder.hpp"
+#include "serve/setup.hpp"
 #include "serve/viewer.hpp"
 
 namespace ringsplat::app {
@@ -34,35 +33,18 @@ namespace {
 
 constexpr std::size_t pictures_held = 4;  // in flight, a sum of channels, being encoded, a snapshot
 
-serve::Qualities qualities() {
-  return {sheets_of(Quality::draft), sheets_of(Quality::normal), sheets_of(Quality::best)};
-}
-
-/// Throws InputError when the first view cannot be drawn at some level.
-void check_first_view(FrameSpec frame, const Grid& grid) {
-  frame.shown.transfer_function = stand_in_function();
-  for (const auto& level : serve::make_levels(qualities(), grid.dims))
-    check_frame(serve::at_level(frame, level), grid);
-}
-
-LoadOptions load_for_levels(const FrameSpec& frame, const Grid& grid) {
-  LoadOptions load{{true, true, true},
-                   needs_normals(frame),
-                   {},
-                   frame.shown.reduction.prefilter,
-                   needs_cell_ranges(frame)};
-  for (const auto& level : serve::make_levels(qualities(), grid.dims))
-    if (std::find(load.factors.begin(), load.factors.end(), level.undersample) == load.factors.end())
-      load.factors.push_back(level.undersample);
-  return load;
-}
-
 /// The page gets the names of all.
 void refuse_long_series(std::size_t volumes) {
   constexpr std::size_t most = 10000;
   if (volumes > most)
     throw InputError(fmt::format("the series has {} volumes, the viewer shows {}", volumes, most),
                      "choose fewer by --frames A:B:STEP");
+}
+
+/// Throws InputError when the first view cannot be drawn at some level.
+void check_first_view(FrameSpec frame, const Grid& grid) {
+  frame.shown.transfer_function = stand_in_function();
+  for (const auto& level : serve::make_levels(grid.dims)) check_frame(serve::at_level(frame, level), grid);
 }
 
 Job prepare(const ServeOptions& options, Launch& launch) {
@@ -85,21 +67,12 @@ Job prepare(const ServeOptions& options, Launch& launch) {
     view_note = complete_view(o, grid, job.volume.notes);
     check_first_view(o.frame, grid);
   });
-  job.load = load_for_levels(o.frame, grid);
+  job.load = serve::needed_for_levels(o.frame, grid);
   job.memory = settle_layout(o, job.layout, {o.frame.shown.camera}, grid, job.load, pictures_held, places,
                              launch, job.channels_drawn());
   if (!view_note.empty()) log_info("{}", view_note);
   log_roles(job.layout, job.memory, launch);
   return job;
-}
-
-/// The largest picture whose floats leave room for the rest.
-int largest_side() {
-  constexpr int most = 4096, least = 1024;
-  const double machine = machine_memory_bytes();
-  int side = most;
-  while (side > least && 64.0 * side * side > machine / 4) side /= 2;
-  return side;
 }
 
 std::vector<serve::Label> labels_of(const std::vector<double>& values, const std::filesystem::path& file) {
@@ -118,9 +91,7 @@ void set_modes(const MadeFunction& made, const TransferFunction& usual, const Sc
   made.set(v.initial.shown);
   if (made.interpolation == Interpolation::nearest) return;
   if (made.mode != Mode::surface) v.initial.shown.isovalue = parting_value(scene.values);
-  v.modes.emplace_back(Mode::composite, usual);
-  for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface})
-    v.modes.emplace_back(mode, choose_for_mode(mode, scene.values, scene.grid, std::nullopt).function);
+  v.modes = serve::modes_for(usual, scene.values, scene.grid);
 }
 
 /// The channels, each with its own function in each mode, in white. That of the first was told.
@@ -175,9 +146,8 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   add_channels(job, scene, v);
   if (made.labels && job.channels.empty()) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
   v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));
-  v.qualities = qualities();
   v.target_seconds = options.target_ms / 1e3;
-  v.largest_side = largest_side();
+  v.largest_side = serve::largest_side();
   v.ffmpeg = find_program("ffmpeg");
   v.server = {options.address, options.port, options.allowed_hosts, options.allowed_origins,
               options.allowed_frames};

@@ -73,14 +73,6 @@ void add_method_options(OptionList& list, RenderOptions& o) {
   };
 }
 
-Sheets sheets_of(Quality quality) {
-  if (quality == Quality::draft)
-    return {.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 2, .light_points = 1};
-  if (quality == Quality::normal)
-    return {.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 2, .light_points = 2};
-  return {.image_plane = ImagePlane::screen, .slabs = 3, .light_points = 2};
-}
-
 const char* name(Engine engine) { return engine == Engine::splats ? Splats::name : Sheets::name; }
 
 Quality quality_of(const MethodOptions& o) {

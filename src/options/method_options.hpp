@@ -1,23 +1,13 @@
 #pragma once
 #include <optional>
 
-#include "ringsplat/frame/frame_spec.hpp"
+#include "frame/quality.hpp"
 
 namespace ringsplat::app {
 
 /// What turns voxels into pixels.
 enum class Engine { splats, sheets };
 const char* name(Engine engine);
-
-/// Sets of a method's options, from the paper's method to the most exact one.
-enum class Quality { paper, draft, normal, best };
-constexpr const char* name(Quality quality) {
-  constexpr const char* names[] = {"paper", "draft", "normal", "best"};
-  return names[static_cast<int>(quality)];
-}
-
-/// The settings of a quality that draws sheets.
-Sheets sheets_of(Quality quality);
 
 /// How pictures are drawn when neither --engine nor --quality says.
 inline constexpr Quality usual_quality = Quality::best;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "ringsplat/frame/frame_spec.hpp"
+#include "frame/quality.hpp"
 
 namespace ringsplat::serve {
 
@@ -20,27 +20,23 @@ struct Level {
   Sheets sheets;
 };
 
-/// The program's settings of --quality, which levels are made of.
-struct Qualities {
-  Sheets draft, normal, best;
-};
-
-/// From coarse to fine; the last is `best` and nothing less. Small volumes are not undersampled.
-inline std::vector<Level> make_levels(const Qualities& q, const glm::ivec3& dims) {
+/// From coarse to fine, of the program's qualities; the last is the best and nothing less. Small volumes are
+/// not undersampled.
+inline std::vector<Level> make_levels(const glm::ivec3& dims) {
   constexpr int least_voxels = 16;  // along an undersampled volume's shortest side
   const int shortest = std::min({dims.x, dims.y, dims.z});
   std::vector<Level> levels;
-  const auto add = [&](const char* quality, int factor, double scale, const Sheets& sheets) {
-    std::string name = quality;
-    if (factor > 1) name += fmt::format(", 1/{} of the voxels", factor);
-    if (scale < 1) name += fmt::format(", {:.0f} % of the size", 100 * scale);
-    levels.push_back({name, factor, scale, sheets});
+  const auto add = [&](Quality quality, int factor, double scale) {
+    std::string words = name(quality);
+    if (factor > 1) words += fmt::format(", 1/{} of the voxels", factor);
+    if (scale < 1) words += fmt::format(", {:.0f} % of the size", 100 * scale);
+    levels.push_back({words, factor, scale, sheets_of(quality)});
   };
   for (const int factor : {4, 2, 1}) {
     if (factor > 1 && shortest / factor < least_voxels) continue;
-    for (const double scale : {0.5, 0.7, 1.0}) add("draft", factor, scale, q.draft);
-    add("normal", factor, 1, q.normal);
-    for (const double scale : {0.6, 0.7, 0.85, 1.0}) add("best", factor, scale, q.best);
+    for (const double scale : {0.5, 0.7, 1.0}) add(Quality::draft, factor, scale);
+    add(Quality::normal, factor, 1);
+    for (const double scale : {0.6, 0.7, 0.85, 1.0}) add(Quality::best, factor, scale);
   }
   return levels;
 }

@@ -28,7 +28,7 @@ class PageViewer final : public Viewer {
  public:
   explicit PageViewer(ViewerOptions options)
       : options_(std::move(options)),
-        levels_(make_levels(options_.qualities, options_.volume.grid.dims)),
+        levels_(make_levels(options_.volume.grid.dims)),
         rules_{options_.initial, options_.volume.grid.dims, int(options_.frames.size()),
                options_.largest_side},
         audience_({[this](ClientId client, std::string text) { server_.send_text(client, std::move(text)); },

@@ -56,7 +56,6 @@ struct ViewerOptions {
   std::vector<std::pair<Mode, TransferFunction>> modes;  ///< that can be chosen, each with its first function
   std::vector<ShownChannel> channels;                    ///< as many as `initial` has
   FrameSpec frame;  ///< what all frames have in common, but for what is shown
-  Qualities qualities;
   double target_seconds = 0.04;                 ///< for a picture of a view that moves
   int largest_side = 4096;                      ///< of a picture
   std::optional<std::filesystem::path> ffmpeg;  ///< makes movies

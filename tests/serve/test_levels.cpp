@@ -14,10 +14,6 @@ namespace {
 
 constexpr double target = 0.04;
 
-const Qualities some{{.image_plane = ImagePlane::slices, .slabs = 2, .light_points = 1},
-                     {.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 2},
-                     {.slabs = 3}};
-
 FrameSpec full_frame(int side) {
   FrameSpec full;
   full.shown.width = full.shown.height = side;
@@ -26,7 +22,7 @@ FrameSpec full_frame(int side) {
 
 std::vector<double> costs_of(const glm::ivec3& dims, int side) {
   std::vector<double> costs;
-  for (const Level& level : make_levels(some, dims))
+  for (const Level& level : make_levels(dims))
     costs.push_back(rough_seconds(at_level(full_frame(side), level), dims));
   return costs;
 }
@@ -73,21 +69,21 @@ LevelController with_costs(std::vector<double> costs) {
 }  // namespace
 
 TEST_CASE("Levels go from coarse to fine and end with best at full size") {
-  const auto levels = make_levels(some, {256, 256, 128});
+  const auto levels = make_levels({256, 256, 128});
   CHECK(levels.front().undersample == 4);
-  CHECK(levels.back().sheets == some.best);
+  CHECK(levels.back().sheets == sheets_of(Quality::best));
   CHECK(levels.back().undersample == 1);
   CHECK(levels.back().scale == 1);
   for (std::size_t k = 1; k < levels.size(); ++k) CHECK(levels[k].undersample <= levels[k - 1].undersample);
-  CHECK(make_levels(some, {40, 100, 100}).front().undersample == 2);
-  CHECK(make_levels(some, {1, 100, 100}).front().undersample == 1);
+  CHECK(make_levels({40, 100, 100}).front().undersample == 2);
+  CHECK(make_levels({1, 100, 100}).front().undersample == 1);
 }
 
 TEST_CASE("A smaller level shows the same view in fewer pixels, rounded up") {
   FrameSpec full = full_frame(1);
   full.shown.width = 101;
   full.shown.camera.zoom = 2;
-  const FrameSpec half = at_level(full, {"", 2, 0.5, some.draft});
+  const FrameSpec half = at_level(full, {"", 2, 0.5, sheets_of(Quality::draft)});
   CHECK(half.shown.width == 51);
   CHECK(half.shown.height == 1);
   CHECK(half.shown.camera == full.shown.camera);
