@@ -1,8 +1,8 @@
 # Included when all rooms are known. ringsplat::ringsplat is the whole library: every room but the command
-# line, its viewer's server and its way to do without MPI, with what the rooms use.
+# line and its way to do without MPI, with what the rooms use.
 include(CMakePackageConfigHelpers)
 get_property(rooms GLOBAL PROPERTY RINGSPLAT_ROOMS)
-list(REMOVE_ITEM rooms ringsplat_decode ringsplat_app ringsplat_command_line ringsplat_study ringsplat_program ringsplat_forecast ringsplat_options ringsplat_serve
+list(REMOVE_ITEM rooms ringsplat_decode ringsplat_app ringsplat_command_line ringsplat_study ringsplat_program ringsplat_forecast ringsplat_options
      ringsplat_alone ringsplat_python)
 add_library(ringsplat_library INTERFACE)
 add_library(ringsplat::ringsplat ALIAS ringsplat_library)

@@ -23,7 +23,7 @@ HeatEquation::HeatEquation(MPI_Comm comm, int cells) : cells_(cells) {
 
 HeatEquation::~HeatEquation() { MPI_Comm_free(&comm_); }
 
-void HeatEquation::step() {
+void HeatEquation::step(float heating) {
   exchange_ghosts();
   constexpr float share = 1.0F / 6;  // diffusivity * time step / cell width^2: the largest that is stable
   for (int z = 0; z < width_[2]; ++z)
@@ -36,7 +36,7 @@ void HeatEquation::step() {
         next_[k] = now_[k] + share * (around - 6 * now_[k]);
       }
       for (int x = 0; x < width_[0]; ++x)
-        next_[at(x, y, z)] += source(first_[0] + x, first_[1] + y, first_[2] + z);
+        next_[at(x, y, z)] += heating * source(first_[0] + x, first_[1] + y, first_[2] + z);
     }
   std::swap(now_, next_);
   ++steps_;

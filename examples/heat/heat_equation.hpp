@@ -14,14 +14,17 @@ class HeatEquation {
   HeatEquation(const HeatEquation&) = delete;
   HeatEquation& operator=(const HeatEquation&) = delete;
 
-  /// Moves on by the longest stable step. Hot spots that circle heat the cube.
-  void step();
+  /// Moves on by the longest stable step. A hot spot that circles heats the cube by so much.
+  void step(float heating = 1);
+  /// Seconds for a diffusivity of 1.
+  double time() const { return steps_ / (6.0 * cells_ * cells_); }
 
   int cells() const { return cells_; }
   MPI_Comm comm() const { return comm_; }
   /// This rank's cells first[k] ... end[k] - 1 along each axis; there may be none.
   const std::array<int, 3>& first() const { return first_; }
   const std::array<int, 3>& end() const { return end_; }
+  bool has_cells() const { return width_[0] > 0 && width_[1] > 0 && width_[2] > 0; }
   /// The temperature of cell first(). Its neighbour along x is 1 float away, along y row(), along z plane().
   const float* temperature() const { return now_.data() + at(0, 0, 0); }
   std::ptrdiff_t row() const { return width_[0] + 2; }

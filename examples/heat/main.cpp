@@ -11,19 +11,9 @@
 #include <filesystem>
 #include <string>
 
-#include "heat_equation.hpp"
-#include "ringsplat/ringsplat.hpp"
+#include "heat_volume.hpp"
 
 namespace {
-
-/// Grey smoke where it is warm, glowing where it is hot.
-ringsplat::TransferFunction glow() {
-  ringsplat::TransferFunction function;
-  function.name = "glow";
-  function.colours = {{0, {0.1, 0.1, 0.4}}, {0.3, {0.7, 0.1, 0.1}}, {1.5, {1, 0.6, 0.1}}, {4, {1, 1, 0.8}}};
-  function.opacities = {{0.01, 0}, {0.3, 0.01}, {1.5, 0.06}, {4, 0.3}};
-  return function;
-}
 
 ringsplat::FrameSpec view(int frame) {
   ringsplat::FrameSpec spec;
@@ -32,25 +22,6 @@ ringsplat::FrameSpec view(int frame) {
   spec.shown.camera.azimuth = 20 + 0.5 * frame;
   spec.shown.camera.elevation = 25;
   return spec;
-}
-
-ringsplat::Grid lattice(int cells) {
-  ringsplat::Grid grid;
-  grid.dims = glm::ivec3(cells);
-  grid.spacing = glm::dvec3(1.0 / cells);
-  grid.type = ringsplat::ScalarType::float32;
-  return grid;
-}
-
-/// Where the solver's cells lie, without the ghosts around them.
-void add_cells(ringsplat::Session& session, const HeatEquation& heat) {
-  const auto& [x0, y0, z0] = heat.first();
-  const auto& [x1, y1, z1] = heat.end();
-  session.set_grid(lattice(heat.cells()));
-  if (x0 == x1 || y0 == y1 || z0 == z1) return;
-  constexpr std::ptrdiff_t bytes = sizeof(float);
-  session.add_block({{x0, y0, z0}, {x1, y1, z1}}, heat.temperature(),
-                    ringsplat::Strides{bytes, bytes * heat.row(), bytes * heat.plane()});
 }
 
 struct Seconds {

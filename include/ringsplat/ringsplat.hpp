@@ -5,6 +5,7 @@
 #include "ringsplat/config.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "ringsplat/images/write_image.hpp"
+#include "ringsplat/live/live.hpp"
 #include "ringsplat/session/session.hpp"
 #if RINGSPLAT_WITH_MPI
 #include "ringsplat/mpi/communicator.hpp"

@@ -167,6 +167,18 @@ FileMessage movie_frame_from(const json& j, const MessageRules& rules) {
   return file;
 }
 
+SteerMessage steer_from(const json& j) {
+  using Act = SteerMessage::Act;
+  const json& act = member(j, "act");
+  if (act == "pause") return {Act::pause};
+  if (act == "step") return {Act::step};
+  if (act == "resume") return {Act::resume};
+  if (act != "set") throw InputError("act must be pause, step, resume or set");
+  const json& name = member(j, "parameter");
+  if (!name.is_string()) throw InputError("parameter must be a text");
+  return {Act::set, name.get<std::string>(), number(j, "value", -any, any)};
+}
+
 }  // namespace
 
 json to_json(const TransferFunction& tf) {
@@ -249,6 +261,7 @@ ClientMessage parse_client_message(std::string_view text, const MessageRules& ru
   if (type == "snapshot") return snapshot_from(j, rules);
   if (type == "movie_frame") return movie_frame_from(j, rules);
   if (type == "cancel") return CancelMessage{whole(j, "id")};
+  if (type == "steer") return steer_from(j);
   throw InputError("the message's type is not known");
 }
 

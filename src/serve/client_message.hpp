@@ -80,8 +80,15 @@ struct CancelMessage {
   std::uint32_t id = 0;
 };
 
-using ClientMessage =
-    std::variant<ViewMessage, AckMessage, DriveMessage, ProbeMessage, MapMessage, FileMessage, CancelMessage>;
+/// What becomes of the simulation that is shown.
+struct SteerMessage {
+  enum class Act { pause, step, resume, set } act = Act::pause;
+  std::string parameter = {};  ///< that is set
+  double value = 0;
+};
+
+using ClientMessage = std::variant<ViewMessage, AckMessage, DriveMessage, ProbeMessage, MapMessage,
+                                   FileMessage, CancelMessage, SteerMessage>;
 
 /// What messages are read against.
 struct MessageRules {

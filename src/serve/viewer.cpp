@@ -55,6 +55,8 @@ class PageViewer final : public Viewer {
 
   std::string url() const override { return server_.url(); }
   Director director() override {
+    const std::lock_guard lock(mutex_);
+    next_frame_ = 0;
     return {.next_frame = {},
             .frame_done = [this](FrameResult&& result) { take(std::move(result)); },
             .may_come =
@@ -78,7 +80,6 @@ class PageViewer final : public Viewer {
     next_volume_.reset();
     shown_volume_ = volume;
     not_yet_seen_ = true;
-    next_frame_ = 0;
     audience_.say(frame_text(volume, "shown"));
   }
 
@@ -89,6 +90,24 @@ class PageViewer final : public Viewer {
     if (current_ && current_->message.scene.frame == volume) current_.reset();
     audience_.say(frame_text(volume, "failed"));
     audience_.say(error_text(why, {}));
+  }
+
+  void renewed(const ValueRange& range, bool changes) override {
+    requests_.show(0, {range});
+    const std::lock_guard lock(mutex_);
+    changes_ = changes;
+    if (current_) current_->shown.reset();
+  }
+
+  void tell(const std::string& text) override {
+    const std::lock_guard lock(mutex_);
+    told_ = text;
+    audience_.say(text);
+  }
+
+  bool has_pages() override {
+    const std::lock_guard lock(mutex_);
+    return audience_.size() > 0;
   }
 
   void warn(const std::string& text) override {
@@ -140,6 +159,7 @@ class PageViewer final : public Viewer {
     audience_.add(client);
     server_.send_text(client, hello_text(options_, levels_, audience_.drives(client), audience_.size()));
     for (const std::string& warning : warnings_) server_.send_text(client, warning);
+    if (!told_.empty()) server_.send_text(client, told_);
     audience_.say_who_drives();
     if (!audience_.drives(client)) audience_.catch_up(client);
     wake();
@@ -203,6 +223,15 @@ class PageViewer final : public Viewer {
 
   void handle(ClientId client, const CancelMessage& asked) { requests_.cancel_movie(client, asked.id); }
 
+  void handle(ClientId client, const SteerMessage& wanted) {
+    if (!options_.steer) throw InputError("there is no simulation to steer");
+    {
+      const std::lock_guard lock(mutex_);
+      if (!audience_.drives(client)) return;
+    }
+    options_.steer(wanted);
+  }
+
   Frames next() {
     const std::lock_guard lock(mutex_);
     if (ended_ || next_volume_) return {};
@@ -223,7 +252,7 @@ class PageViewer final : public Viewer {
     take_newest();
     if (!current_) return {};
     View& view = *current_;
-    const bool rests = !view.message.moving || Clock::now() - view.came >= rest_begins;
+    const bool rests = !changes_ && (!view.message.moving || Clock::now() - view.came >= rest_begins);
     std::optional<int> level;
     if (rests)
       level = controller_.level_at_rest(view.shown);
@@ -368,11 +397,13 @@ class PageViewer final : public Viewer {
   bool woken_ = false, ended_ = false;
   Audience audience_;
   std::vector<std::string> warnings_;
+  std::string told_;            ///< last
   std::optional<View> newest_;  ///< not yet taken
   std::uint64_t scenes_ = 0;
   std::optional<View> current_;
   int shown_volume_ = 0;
   std::optional<int> next_volume_;  ///< that the run ends for
+  bool changes_ = false;            ///< the volume does, all the time
   bool not_yet_seen_ = false;       ///< no frame was drawn of the volume since it was loaded
   std::optional<SceneState> last_put_;
   LevelController controller_;

@@ -1,5 +1,6 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -55,11 +56,28 @@ struct ViewerOptions {
   SceneState initial;
   std::vector<std::pair<Mode, TransferFunction>> modes;  ///< that can be chosen, each with its first function
   std::vector<ShownChannel> channels;                    ///< as many as `initial` has
-  FrameSpec frame;  ///< what all frames have in common, but for what is shown
+  FrameSpec frame;                              ///< what all frames have in common, but for what is shown
   double target_seconds = 0.04;                 ///< for a picture of a view that moves
   int largest_side = 4096;                      ///< of a picture
   std::optional<std::filesystem::path> ffmpeg;  ///< makes movies
   ServerOptions server;
+  /// Takes what the driver wants of the simulation, on the server's thread; throws InputError for the page.
+  /// Empty: there is none.
+  std::function<void(const SteerMessage&)> steer = {};
+};
+
+/// How far a simulation is.
+struct RunState {
+  struct Parameter {
+    std::string name;
+    double value, low, high;
+  };
+  std::int64_t step = 0;
+  double time = 0;  ///< the simulation's own
+  double steps_a_second = 0;
+  bool paused = false;
+  Histogram histogram;                ///< of the values that are shown
+  std::vector<Parameter> parameters;  ///< that pages may set
 };
 
 /// Shows a volume to pages: takes their views, has frames rendered, and sends them as pictures. Lives on rank
@@ -77,6 +95,12 @@ class Viewer {
   virtual void loaded(int volume, const std::vector<ValueRange>& ranges) = 0;
   /// It cannot be loaded: whoever waits for it is told why. loaded() must follow.
   virtual void not_loaded(int volume, const std::string& why) = 0;
+  /// The volume has other values from the next run on: what was drawn of it is out of date. `changes`: it
+  /// soon has others again, so that all views are drawn as those that move.
+  virtual void renewed(const ValueRange& range, bool changes) = 0;
+  /// Sends a text to all pages, and to those that come until the next.
+  virtual void tell(const std::string& text) = 0;
+  virtual bool has_pages() = 0;
   /// Shows a warning of the job on all pages, also of those that come later.
   virtual void warn(const std::string& text) = 0;
   /// Tells all pages why there will be no more pictures, and ends the run.
@@ -100,6 +124,7 @@ std::string driver_text(bool drives, int viewers);
 /// What becomes of a frame of a series: "loading", "shown" from now on, or "failed".
 std::string frame_text(int frame, std::string_view status);
 std::string state_text(const SceneState& scene);
+std::string run_text(const RunState& run);
 std::string map_text(const MapMessage& map);
 std::string probe_text(std::uint32_t id, const Probed& probed);
 /// A movie's frame is there; another may come.

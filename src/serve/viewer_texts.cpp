@@ -120,6 +120,19 @@ std::string state_text(const SceneState& scene) {
   return text_of({{"type", "state"}, {"state", to_json(scene)}});
 }
 
+std::string run_text(const RunState& run) {
+  json parameters = json::array();
+  for (const auto& [name, value, low, high] : run.parameters)
+    parameters.push_back({{"name", name}, {"value", value}, {"low", low}, {"high", high}});
+  return text_of({{"type", "run"},
+                  {"step", run.step},
+                  {"time", run.time},
+                  {"rate", run.steps_a_second},
+                  {"paused", run.paused},
+                  {"histogram", histogram_json(run.histogram)},
+                  {"parameters", parameters}});
+}
+
 std::string map_text(const MapMessage& map) {
   return text_of({{"type", "map"}, {"id", map.id}, {"transfer_function", to_json(map.transfer_function)}});
 }

@@ -28,12 +28,15 @@ std::string host_and_port(const asio::ip::address& address, int port) {
 
 struct WebServer::Impl {
   Impl(const ServerOptions& options, ServerEvents events)
-      : acceptor_(shared_.io), pause_(shared_.io), signals_(shared_.io, SIGINT, SIGTERM) {
+      : acceptor_(shared_.io), pause_(shared_.io), signals_(shared_.io) {
     shared_.events = std::move(events);
     bind(options);
     shared_.access = {make_token(), hosts(options), options.allowed_origins};
     shared_.frame_ancestors = frame_ancestors(options.allowed_frames);
     accept();
+    if (!options.takes_signals) return;
+    signals_.add(SIGINT);
+    signals_.add(SIGTERM);
     wait_for_signal();
   }
 

@@ -16,6 +16,7 @@ struct ServerOptions {
   std::vector<std::string> allowed_hosts, allowed_origins;
   /// Pages that may show the page in a frame, as origins; the port may be "*". None: no page may.
   std::vector<std::string> allowed_frames = {};
+  bool takes_signals = true;  ///< else SIGINT and SIGTERM are left to the program
 };
 
 /// Called on the server's thread; must return soon and throw nothing.

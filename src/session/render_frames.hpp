@@ -169,6 +169,13 @@ struct SessionParts {
   /// As Session::render(), with all that is known of each frame.
   static void render(Session& session, const std::vector<FrameSpec>& frames,
                      const std::function<void(FrameResult&&)>& take);
+  /// Renders frames of the committed volume as rank 0's director gives them; they need no more than `needed`,
+  /// the same on all ranks. Collective.
+  static void direct(Session& session, const LoadOptions& needed, Director director);
+  /// For what all ranks agree on between the session's calls.
+  static Collectives& collectives(Session& session);
+  /// Of the committed volume. Throws InputError when there is none.
+  static const Grid& grid(const Session& session);
 };
 
 }  // namespace ringsplat

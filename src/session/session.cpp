@@ -311,4 +311,14 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
   if (thrown) std::rethrow_exception(thrown);
 }
 
+void SessionParts::direct(Session& session, const LoadOptions& needed, Director director) {
+  const PlainFloats floats;
+  Session::State& s = *session.state_;
+  s.enter("show", input_error_of([&] { static_cast<void>(s.committed()); }));
+  render_frames(s.scene_for(needed), s.layout, s.protocol, std::move(director), s.wiring, s.engine);
+}
+
+Collectives& SessionParts::collectives(Session& session) { return session.state_->wiring.collectives; }
+const Grid& SessionParts::grid(const Session& session) { return session.state_->committed(); }
+
 }  // namespace ringsplat

@@ -182,6 +182,7 @@ const Rules& house_rules() {
       {"simulate",
        {"base", "volume", "classify", "view", "screen", "raster", "splat", "net", "protocol", "frame",
         "engine_parts", "splat_engine", "sheet_engine", "session", "mpi"}},
+      {"live", {"base", "volume", "classify", "net", "frame", "session", "serve"}},
       {"serve", {"base", "images", "volume", "classify", "view", "frame", "session", "record"}},
       {"truth", {"base", "volume", "classify", "view", "screen", "frame"}},
       {"mpi", {"base", "net"}},

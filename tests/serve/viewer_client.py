@@ -206,8 +206,8 @@ class Server:
             self.process.wait()
 
 
-def ranks_of(job):
-    """Process ids of a job's ranks: the launcher's descendants that serve, or the server itself."""
+def ranks_of(job, program="ringsplat"):
+    """Process ids of a job's ranks: the launcher's descendants of that name, or the server itself."""
     children = {}
     for pid in filter(str.isdigit, os.listdir("/proc")):
         try:
@@ -220,7 +220,7 @@ def ranks_of(job):
     while todo:
         for pid, name in children.get(todo.pop(), []):
             todo.append(pid)
-            if name.startswith("ringsplat"):
+            if name.startswith(program):
                 found.append(pid)
     return sorted(found) or [job]
 

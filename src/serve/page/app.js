@@ -14,6 +14,7 @@ import { attachKeyboard } from './keyboard.js';
 import { drawOverlay } from './overlay.js';
 import { LabelsPanel } from './labels_panel.js';
 import { Probe } from './probe.js';
+import { RunPanel } from './run_panel.js';
 import { Scene, checkedState, readFragment } from './scene.js';
 import { Sender } from './sender.js';
 import { attachSettings, onSettings, settings } from './settings.js';
@@ -54,6 +55,7 @@ export class App {
     this.clipPanel = new ClipPanel(this);
     this.film = new FilmPanel(this);
     this.series = new FramePanel(this);
+    this.runs = new RunPanel(this);
     this.snapshots = new SnapshotPanel(this);
     this.probing = new Probe(this);
     this.cube = new Cube((view) => this.lookFrom(view));
@@ -100,6 +102,7 @@ export class App {
       driver: () => this.setDriver(message.you, message.viewers),
       state: () => this.follow(message.state),
       frame: () => this.series.told(message),
+      run: () => this.runs.told(message),
       error: () => this.connection.fail(message.id, message.message) || showError(message.message, message.hint),
       warning: () => showError(message.message, message.hint, true),
       end: () => this.ended(message.message),
@@ -122,6 +125,7 @@ export class App {
     this.scene.begin(hello.state, this.fitting(kept));
     if (!resumes) this.history.clear(this.scene.state);
     this.series.begin(hello.frames);
+    this.runs.begin();
     this.transfer.begin(hello);
     this.labels.begin(volume.labels);
     this.channels.begin(hello.channels);
@@ -161,7 +165,7 @@ export class App {
     if (!this.driving || this.stage.sent.get(picture.seq)?.frame === this.series.frame) this.series.pictureShown();
     showFacts(picture, this.driving ? this.latency : NaN, this.hello);
     this.awaitPicture(false);
-    this.awaitPicture(this.driving && !(picture.atRest && picture.seq === this.sender.seq));
+    this.awaitPicture(this.driving && !this.runs.goesOn && !(picture.atRest && picture.seq === this.sender.seq));
     if (!this.driving) this.redraw();
   }
 
@@ -287,7 +291,7 @@ export class App {
     const { state } = this.scene, time = performance.now();
     const sent = this.connection.send({ type: 'view', seq, moving, width, height, time, state });
     if (sent) this.stage.remember(seq, this.scene.state.camera, this.scene.state.frame);
-    if (sent) this.awaitPicture(true);
+    if (sent) this.awaitPicture(!this.runs.goesOn);
     return sent;
   }
 

@@ -52,6 +52,8 @@ function actions(app) {
     ['[', 'the frame before, of a series', () => app.series.step(-1)],
     [']', 'the next frame', () => app.series.step(1)],
     ['l', 'play the series', () => app.series.toggle()],
+    ['m', 'hold the simulation, or let it go on', () => app.runs.toggle()],
+    ['n', 'one step of the simulation', () => app.runs.steer('step')],
     ['k', 'add a key frame', () => app.film.add()],
     [' ', 'play the film', () => app.film.play()],
     ['v', 'save a picture', () => app.snapshots.save()],

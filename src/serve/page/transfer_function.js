@@ -70,6 +70,14 @@ export function windowed(tf, factor, shift) {
   return { ...moved, opacities: moved.opacities.map(([value, opacity]) => [clamp(value, low, high), opacity]) };
 }
 
+/** All points over other values, from the first to the last. */
+export function spread(tf, low, high) {
+  const values = [...tf.colours, ...tf.opacities].map((p) => p[0]), first = Math.min(...values);
+  const width = Math.max(...values) - first || 1;
+  const move = ([value, ...rest]) => [low + ((value - first) / width) * (high - low), ...rest];
+  return { ...tf, name: 'edited', colours: tf.colours.map(move), opacities: tf.opacities.map(move) };
+}
+
 /** A map's colours, evenly over the values that the function's colours cover now. */
 export function withMap(tf, map) {
   const low = tf.colours[0][0], high = tf.colours.at(-1)[0];

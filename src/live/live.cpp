@@ -1,0 +1,266 @@
+#include "ringsplat/live/live.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <mutex>
+#include <utility>
+
+#include "base/archive.hpp"
+#include "base/child_program.hpp"
+#include "classify/auto_preset.hpp"
+#include "classify/srgb.hpp"
+#include "frame/quality.hpp"
+#include "live/steering.hpp"
+#include "net/agree.hpp"
+#include "ringsplat/base/error.hpp"
+#include "serve/setup.hpp"
+#include "serve/viewer.hpp"
+
+namespace ringsplat {
+namespace {
+
+using live::Clock;
+using live::seconds_since;
+using live::Share;
+using live::Steering;
+using serve::RunState;
+using serve::SteerMessage;
+
+/// What all ranks do next in show().
+enum class Act : std::uint8_t { go_on, draw, hold };
+
+struct Offered {
+  std::string name;
+  double* value;
+  double low, high;
+};
+
+FrameSpec first_frame(const LiveOptions& options, const ValueStatistics& values) {
+  FrameSpec frame;
+  if (options.frame) {
+    frame = *options.frame;
+  } else {
+    const AutoChoice choice = choose_function(values);
+    frame.shown.camera = {.azimuth = 30, .elevation = 20};
+    frame.shown.transfer_function = choice.function;
+    if (choice.labels) frame.shown.interpolation = Interpolation::nearest;
+  }
+  frame.how = sheets_of(Quality::best);
+  // A mean of labels is another label.
+  frame.shown.reduction.prefilter = frame.shown.interpolation == Interpolation::linear;
+  return frame;
+}
+
+}  // namespace
+
+struct Live::State {
+  State(Session& session_, const LiveOptions& options) : session(session_), share(options.share) {
+    const ValueStatistics& values = SessionParts::values(session, "Live");
+    agree_after(all(), [&] {
+      if (!(options.share > 0 && options.share <= 1))
+        throw InputError(fmt::format("the share {:g} is not in 0 ... 1", options.share), "0.05 is usual");
+      if (values.range.empty())
+        throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
+                         "check the blocks' values");
+      range = values.range;
+      frame = first_frame(options, values);
+      check_frame(frame, SessionParts::grid(session));
+      if (session.rank() == 0) start(options, values);
+    });
+  }
+  ~State() {
+    if (viewer) viewer->end("The simulation has ended.");
+  }
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+
+  Collectives& all() { return SessionParts::collectives(session); }
+
+  void start(const LiveOptions& options, const ValueStatistics& values) {
+    const Grid& grid = SessionParts::grid(session);
+    serve::ViewerOptions v;
+    v.version = RINGSPLAT_VERSION;
+    v.layout = "the simulation's ranks";
+    v.ranks = session.ranks();
+    v.volume = {options.name, grid, false, "", false, {values.range}, values.histogram};
+    v.frame = frame;
+    v.initial.shown = frame.shown;
+    if (frame.shown.mode != Mode::surface) v.initial.shown.isovalue = parting_value(values);
+    v.initial.background = linear_to_srgb(options.background);
+    if (frame.shown.interpolation == Interpolation::linear)
+      v.modes = serve::modes_for(frame.shown.mode == Mode::composite ? frame.shown.transfer_function
+                                                                     : choose_function(values).function,
+                                 values, grid);
+    v.target_seconds = options.target_seconds;
+    v.largest_side = serve::largest_side();
+    v.ffmpeg = find_program("ffmpeg");
+    v.server = {options.address,         options.port,           options.allowed_hosts,
+                options.allowed_origins, options.allowed_frames, false};
+    v.steer = [this](const SteerMessage& wanted) {
+      steering.take(wanted);
+      tell();
+    };
+    run.histogram = values.histogram;
+    auto made = serve::make_viewer(std::move(v));
+    url = made->url();
+    const std::lock_guard lock(telling);
+    viewer = std::move(made);
+  }
+
+  // On rank 0.
+
+  /// Tells pages how far it is; by any thread.
+  void tell() {
+    const std::lock_guard lock(telling);
+    if (!viewer) return;
+    run.paused = steering.paused();
+    for (auto& parameter : run.parameters) parameter.value = steering.seen(parameter.name, parameter.value);
+    viewer->tell(run_text(run));
+  }
+
+  void begin(std::int64_t step, double time) {
+    constexpr double soon = 0.2;  // seconds, as often as people read
+    share.came_back();
+    ++steps;
+    const double passed = seconds_since(told);
+    {
+      const std::lock_guard lock(telling);
+      run.step = step;
+      run.time = time;
+      for (std::size_t k = 0; k < offered.size(); ++k) run.parameters[k].value = *offered[k].value;
+      if (passed >= soon) run.steps_a_second = std::exchange(steps, 0) / passed;
+    }
+    if (passed < soon && !steering.paused()) return;
+    if (passed >= soon) told = Clock::now();
+    tell();
+  }
+
+  Act decide() {
+    if (!viewer->has_pages()) {
+      steering.let_go();  // whoever paused it is gone
+      return Act::go_on;
+    }
+    if (steering.holds()) return Act::hold;
+    if (!share.allows_a_picture()) return Act::go_on;
+    viewer->renewed(range, true);
+    director = viewer->director();
+    wanted = director.next_picture();
+    return wanted.empty() ? Act::go_on : Act::draw;
+  }
+
+  /// What pages want of the parameters.
+  std::vector<double> values_wanted() {
+    std::vector<double> values;
+    for (const Offered& one : offered) values.push_back(steering.wanted(one.name).value_or(*one.value));
+    return values;
+  }
+
+  /// Draws what pages want while they hold the simulation.
+  Director held_frames() {
+    Director held = viewer->director();
+    const auto holds = [this] { return steering.holds() && viewer->has_pages(); };
+    held.may_come = [holds, may_come = held.may_come] { return holds() && may_come(); };
+    held.next_picture = [holds, next = held.next_picture] {
+      return holds() ? next() : std::vector<VolumeFrame>();
+    };
+    return held;
+  }
+
+  // On all ranks.
+
+  /// Rank 0's decision; takes its values of the parameters.
+  Act agree_on(Act act) {
+    const bool decides = session.rank() == 0;
+    const Block told_by_0 = all().broadcast(decides ? to_bytes(act, values_wanted()) : Block{}, 0);
+    std::vector<double> values;
+    FromBytes archive(told_by_0);
+    archive(act, values);
+    if (!archive.ok() || values.size() != offered.size())
+      throw InputError(fmt::format("rank {} offers {} parameters, rank 0 {}", session.rank(), offered.size(),
+                                   values.size()),
+                       "all ranks offer the same");
+    for (std::size_t k = 0; k < values.size(); ++k) *offered[k].value = values[k];
+    return act;
+  }
+
+  void commit() {
+    session.commit();
+    const ValueStatistics& values = SessionParts::values(session, "show");
+    range = values.range;
+    const std::lock_guard lock(telling);
+    run.histogram = values.histogram;
+  }
+
+  /// Draws the picture that rank 0 has decided on.
+  void draw() {
+    std::vector<FrameSpec> frames;
+    for (VolumeFrame& one : wanted) frames.push_back(std::move(one.spec));
+    SessionParts::render(session, frames, director.frame_done);
+  }
+
+  void hold() {
+    if (viewer) viewer->renewed(range, false);
+    SessionParts::direct(session, serve::needed_for_levels(frame, SessionParts::grid(session)),
+                         viewer ? held_frames() : Director{});
+    steps = 0;
+    told = Clock::now();
+  }
+
+  Session& session;
+  FrameSpec frame;  ///< what all have in common, but for what is shown
+  std::string url;
+  std::vector<Offered> offered;
+  ValueRange range;  ///< of the volume that was committed last
+
+  // Rank 0's.
+  Share share;
+  Steering steering;
+  std::mutex telling;  ///< guards what pages are told
+  RunState run;
+  Director director = {};           ///< of the picture that is drawn next
+  std::vector<VolumeFrame> wanted;  ///< its frames
+  int steps = 0;                    ///< since the rate was told
+  Clock::time_point told = Clock::now();
+  std::unique_ptr<serve::Viewer> viewer;  ///< last, as its thread uses what is above
+};
+
+Live::Live(Session& session, const LiveOptions& options)
+    : state_(std::make_unique<State>(session, options)) {}
+Live::~Live() = default;
+Live::Live(Live&&) noexcept = default;
+
+const std::string& Live::url() const { return state_->url; }
+
+void Live::offer(const std::string& name, double& value, double low, double high) {
+  State& s = *state_;
+  s.offered.push_back({name, &value, low, high});
+  if (!s.viewer) return;
+  const RunState::Parameter parameter{name, value, low, high};
+  s.steering.offer(parameter);
+  const std::lock_guard lock(s.telling);
+  s.run.parameters.push_back(parameter);
+}
+
+void Live::show(std::int64_t step, double time) {
+  State& s = *state_;
+  if (s.viewer) s.begin(step, time);
+  bool committed = false;
+  while (true) {
+    const Act act = s.agree_on(s.viewer ? s.decide() : Act::go_on);
+    if (act == Act::go_on) break;
+    const Clock::time_point begin = Clock::now();
+    if (!std::exchange(committed, true)) s.commit();
+    if (act == Act::hold) {
+      s.hold();
+      continue;
+    }
+    s.draw();
+    s.share.spent(seconds_since(begin));
+    break;
+  }
+  s.steering.go_on();
+  s.share.leave();
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,171 @@
+"""A simulation that is shown while it runs: examples/heat's heat_live, driven by a page's side of the protocol."""
+import argparse, os, signal, subprocess, sys, time
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "serve"))
+import viewer_client as vc
+from server_case import expect, until
+
+ENDLESS = 10 ** 9
+
+
+def start(options, ranks, steps=ENDLESS, share=0.2):
+    return vc.Server([options.mpiexec, "-n", str(ranks), options.heat, "32", str(steps)], {"SHARE": str(share)})
+
+
+def run(client, **wanted):
+    """What is said of the simulation, once it has these members."""
+    return client.receive_until(
+        lambda m: isinstance(m, dict) and m["type"] == "run" and all(m[k] == v for k, v in wanted.items()))
+
+
+def steer(client, act, **more):
+    client.send({"type": "steer", "act": act, **more})
+
+
+def held(client):
+    """Holds the simulation; returns its step, of which pictures are."""
+    steer(client, "pause")
+    client.picture(seq=client.view(width=96, height=64), at_rest=1)
+    steer(client, "pause")
+    return run(client, paused=True)["step"]
+
+
+def highest(client, step):
+    """The highest value after a step that is held."""
+    client.picture(seq=client.view(width=64 + step % 32, height=64), at_rest=1)
+    steer(client, "pause")
+    return run(client, step=step, paused=True)["histogram"]["high"]
+
+
+def one_step(client, step):
+    steer(client, "step")
+    run(client, step=step + 1)
+    return step + 1
+
+
+def turned(options):
+    """Pictures come while it runs, and it goes on."""
+    server = start(options, 4)
+    client = server.client()
+    begin = time.monotonic()
+    client.acknowledge(client.picture(seq=client.view()))
+    print(f"first picture after {time.monotonic() - begin:.2f} s")
+    first = run(client)["step"]
+    for azimuth in range(0, 90, 30):
+        client.acknowledge(client.picture(seq=client.view(moving=True, camera={"azimuth": azimuth})))
+    expect(run(client)["step"] > first, "no step was taken")
+    server.kill()
+
+
+def steered(options):
+    """It is held, takes single steps, and takes numbers, as its values prove."""
+    server = start(options, 4)
+    client = server.client()
+    client.picture(seq=client.view())
+    step = held(client)
+    time.sleep(0.5)
+    steer(client, "pause")
+    expect(run(client)["step"] == step, "it went on while it was held")
+    before = highest(client, step)
+    steer(client, "set", parameter="heating", value=0)
+    expect(run(client)["parameters"] == [{"name": "heating", "value": 0, "low": 0, "high": 10}], "another value")
+    step = one_step(client, step)
+    cooled = highest(client, step)
+    expect(cooled < before, f"not heated, but {before} became {cooled}")
+    steer(client, "set", parameter="heating", value=10)
+    step = one_step(client, step)
+    heated = highest(client, step)
+    expect(10 <= heated <= cooled + 10.001, f"heated by 10, {cooled} became {heated}")
+    for parameter, value, words in (("heating", 11, "must be from 0 to 10"), ("cooling", 1, "offers no cooling")):
+        steer(client, "set", parameter=parameter, value=value)
+        expect(words in client.text("error")["message"], parameter)
+    steer(client, "jump")
+    expect("act must be" in client.text("error")["message"], "jump")
+    watcher = server.client()
+    steer(watcher, "resume")
+    watcher.close()
+    steer(client, "pause")
+    expect(run(client)["step"] == step, "a watcher let it go on")
+    steer(client, "resume")
+    until("it does not go on", lambda: run(client)["step"] > step + 5)
+    server.kill()
+
+
+def same_on_all_ranks(options):
+    """The same step has the same picture on one rank and on four."""
+    servers = [start(options, ranks) for ranks in (1, 4)]
+    clients = [server.client() for server in servers]
+    for client in clients:
+        client.picture(seq=client.view())
+    steps = [held(client) for client in clients]
+    for client, step in zip(clients, steps):
+        while step < max(steps):
+            step = one_step(client, step)
+    files = []
+    for client, server in zip(clients, servers):
+        client.send({"type": "snapshot", "id": 1, "width": 200, "height": 160, "format": "png", "state": {}})
+        snapshot = client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1)
+        files.append(os.path.join(options.scratch, f"live{len(files)}.png"))
+        with open(files[-1], "wb") as file:
+            file.write(snapshot.file)
+        server.kill()
+    subprocess.run([options.program, "compare", *files, "--fail-above", "0"], check=True, stdout=subprocess.DEVNULL)
+
+
+def clients_come_and_go(options):
+    """Whatever clients do, it goes on: also when it is held and nobody is left."""
+    server = start(options, 4)
+    for k in range(12):
+        client = server.client()
+        client.send({"type": "drive"})
+        client.view(moving=k % 2 == 0, width=64, height=64)
+        if k % 3 == 0:
+            client.picture()
+        if k % 4 == 0:
+            steer(client, "pause")
+        client.close()
+    time.sleep(1)  # until nobody is there
+    client = server.client()
+    step = run(client, paused=False)["step"]
+    until("it does not go on", lambda: run(client)["step"] > step + 5)
+    client.send("{")
+    expect(client.text("error")["message"], "no words")
+    server.kill()
+
+
+def ends(options):
+    """Pages are told that the simulation has ended, and that it was held is no reason not to end."""
+    server = start(options, 4, steps=60)
+    client = server.client()
+    client.view()
+    expect("has ended" in client.text("end", 60)["message"], "no word of the end")
+    expect(server.wait() == 0, "not a good end")
+
+
+def killed_rank(options):
+    """Nothing is left of a job whose rank is killed while it is held."""
+    server = start(options, 4)
+    client = server.client()
+    client.picture(seq=client.view())
+    held(client)
+    ranks = vc.ranks_of(server.process.pid, "heat_live")
+    expect(len(ranks) == 4, ranks)
+    os.kill(ranks[2], signal.SIGKILL)
+    expect(server.wait() != 0, "a good end")
+    until("a rank is left", lambda: not any(os.path.exists(f"/proc/{rank}") for rank in ranks))
+
+
+def main():
+    cases = [turned, steered, same_on_all_ranks, clients_come_and_go, ends, killed_rank]
+    arguments = argparse.ArgumentParser()
+    for name in ("--heat", "--program", "--mpiexec", "--scratch"):
+        arguments.add_argument(name)
+    options = arguments.parse_args()
+    os.makedirs(options.scratch, exist_ok=True)
+    for case in cases:
+        print(case.__name__, flush=True)
+        case(options)
+
+
+main()
