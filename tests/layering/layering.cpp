@@ -199,7 +199,7 @@ const Rules& house_rules() {
                "mpi",    "options", "forecast", "program", "study",    "command_line"}},
       {"python",
        {"base", "images", "volume", "formats", "classify", "view", "net", "record", "frame", "scene",
-        "session", "truth", "mpi", "options", "program", "study", "app"}},
+        "session", "live", "truth", "mpi", "options", "program", "study", "app"}},
   };
   return rules;
 }

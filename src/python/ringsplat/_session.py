@@ -8,7 +8,7 @@ import operator
 import sys
 import warnings
 import weakref
-from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, TypeVar, cast
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from . import _core, _progress
 from ._core import InputError
 from ._image import Image
 from ._table import command_line, document
+from ._view import LOCAL_PAGES
 from ._volume import TYPES, Volume, address_of, ascii_unit, nine, strides_of, three
 
 if TYPE_CHECKING:
@@ -252,6 +253,56 @@ class Session:
         images = [Image(picture, None) for picture in pictures]
         return images if views is not None else images[0]
 
+    def serve(
+        self,
+        *,
+        name: str = "simulation",
+        address: str = "127.0.0.1",
+        port: int = 0,
+        share: float = 0.05,
+        allow_hosts: Sequence[str] = (),
+        allow_origins: Sequence[str] = (),
+        frame_origins: Sequence[str] = LOCAL_PAGES,
+        **options: "Unpack[PictureOptions]",
+    ) -> str:
+        """Shows the volume in browsers from now on; collective, with the same arguments on all ranks. Returns the
+        page's address on rank 0, an empty text elsewhere.
+
+            print(session.serve(tf="mr-soft"))
+            session.offer("viscosity", 0.1, 0, 1)
+            for step in range(steps):
+                solve(...)                           # in place, or session.update_block(0, block)
+                viscosity = session.show(step, time)["viscosity"]
+
+        The ranks draw between steps. Pictures may hold the simulation up for `share` of the time that it takes itself;
+        a page may hold it, let it take single steps and change what is offered. `options` say what is seen first;
+        sheets draw it. `address`, `port` and the allowed hosts, origins and frames are those of `ringsplat serve`.
+        """
+        with self._together(), contextlib.ExitStack() as stack:
+            words: list[str] = []
+            try:
+                words, views = stack.enter_context(command_line(options, session=True))
+                if views is not None:
+                    raise TypeError("serve() takes one view, not lists of angles")
+            except Exception as problem:
+                self._problem = self._problem or problem
+                self._open().note_problem(_text(problem))
+            lists = (list(allow_hosts), list(allow_origins), list(frame_origins))
+            return cast(str, self._open().serve(words, name, address, port, share, *lists))
+
+    @_by_itself
+    def offer(self, name: str, value: float, low: float, high: float) -> None:
+        """Lets pages change a number between `low` and `high`; show() tells what it is. All ranks offer the same in the
+        same order, after serve()."""
+        self._open().offer(name, float(value), float(low), float(high))
+
+    def show(self, step: int, time: float = 0.0) -> dict[str, float]:
+        """Shows the blocks as they are now, after a step. While nobody looks that costs next to nothing. While a page
+        holds the simulation it returns only when the page lets it go on. Returns the numbers that are offered.
+        Collective."""
+        with self._together():
+            return dict(self._open().show(step, time))
+
     def close(self) -> None:
         """Lets go of the volume and of the communicator's duplicate. Collective."""
         self._cores.clear()
@@ -295,3 +346,4 @@ class Session:
 
 
 document(Session.render, session=True)
+document(Session.serve, session=True)

@@ -20,7 +20,7 @@ from ._table import command_line
 from ._volume import Volume, volume_of
 
 # Pages of this machine, such as Jupyter's. The page's token keeps others out.
-_LOCAL_PAGES = ("http://localhost:*", "http://127.0.0.1:*", "https://localhost:*", "https://127.0.0.1:*")
+LOCAL_PAGES = ("http://localhost:*", "http://127.0.0.1:*", "https://localhost:*", "https://127.0.0.1:*")
 
 
 def _write_nrrd(volume: Volume, path: str) -> None:
@@ -144,7 +144,7 @@ def view(
     width: str = "100%",
     height: int = 640,
     port: int = 0,
-    frame_origins: Sequence[str] = _LOCAL_PAGES,
+    frame_origins: Sequence[str] = LOCAL_PAGES,
     **options: Any,
 ) -> View:
     """Shows a volume on the viewer's page, to be turned and changed there; in a notebook in the output cell.

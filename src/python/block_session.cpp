@@ -1,0 +1,106 @@
+#include "python/block_session.hpp"
+
+#include "app/render_job.hpp"
+#include "base/log.hpp"
+#include "net/agree.hpp"
+#include "options/option_tables.hpp"
+#include "options/transfer_function_option.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::python {
+
+BlockSession::BlockSession(Processes processes, const std::vector<std::string>& layout,
+                           const SessionOptions& options, const std::string& problem)
+    : collectives_(processes.collectives()), session_([&] {
+        const bool over_mpi = processes.transport() != nullptr;
+        Layout nodes;
+        agree_after(processes.collectives(), [&] {
+          if (!problem.empty()) throw InputError(problem);
+          nodes = parse_layout(layout, over_mpi, processes.ranks());
+        });
+        return Session(std::move(processes), nodes, options);
+      }()) {}
+
+void BlockSession::set_grid(const Grid& grid, const VolumeNotes& notes) {
+  check(grid, "the grid");
+  session_.set_grid(grid);
+  grid_ = grid;
+  notes_ = notes;
+}
+
+void BlockSession::commit() {
+  session_.commit();
+  committed_ = grid_;
+  committed_notes_ = notes_;
+}
+
+std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
+                                          const std::vector<app::ViewAngles>& views, const Hooks& hooks) {
+  const ValueStatistics& values = SessionParts::values(session_);
+  Request wanted;
+  agree_after(collectives_, [&] {
+    if (values.range.empty())
+      throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
+                       "check the blocks' values");
+    if (session_.rank() == 0) wanted = request(words, views, values);
+  });
+  const ValueRange range = values.range;
+  std::vector<Picture> pictures;
+  SessionParts::render(session_, wanted.frames, [&](FrameResult&& result) {
+    pictures.push_back(picture_of(std::move(result), wanted.options, range, wanted.annotation));
+    if (hooks.told) hooks.told("rendering", double(pictures.size()), double(wanted.frames.size()));
+  });
+  return pictures;
+}
+
+std::string BlockSession::serve(const std::vector<std::string>& words, LiveOptions options) {
+  live_.reset();
+  offered_.clear();
+  const ValueStatistics& values = SessionParts::values(session_, "serve");
+  agree_after(collectives_, [&] {
+    const Request wanted = request(words, {}, values);
+    options.frame = wanted.frames.front();
+    options.background = wanted.options.background.value_or(options.background);
+  });
+  live_.emplace(session_, options);
+  return live_->url();
+}
+
+void BlockSession::offer(const std::string& name, double value, double low, double high) {
+  Live& shown = live();
+  shown.offer(name, offered_.emplace_back(name, value).second, low, high);
+}
+
+std::vector<std::pair<std::string, double>> BlockSession::show(std::int64_t step, double time) {
+  live().show(step, time);
+  return {offered_.begin(), offered_.end()};
+}
+
+BlockSession::Request BlockSession::request(const std::vector<std::string>& words,
+                                            const std::vector<app::ViewAngles>& views,
+                                            const ValueStatistics& values) const {
+  Request made{parse_picture(words, views, From::session), {}, {}};
+  app::RenderOptions& o = made.options;
+  const auto tell = [this](const std::string& note) {
+    if (!note.empty() && session_.rank() == 0) log_info("{}", note);
+  };
+  o.volume.path = "session";
+  o.frame.shown.clip = app::clip_box(o.clip, committed_);
+  tell(app::complete_view(o, committed_, committed_notes_));
+  if (o.annotate) made.annotation.emplace(committed_, committed_notes_, o.background, o.colour.range);
+  const auto cameras = app::views_of(o);
+  const app::MadeFunction function =
+      app::TransferFunctionChoice(o.transfer_function, o.colour).make(values, committed_);
+  check(function.function, o.transfer_function);
+  tell(function.said);
+  function.set(o.frame.shown);
+  made.frames = frames_of(o.frame, cameras);
+  return made;
+}
+
+Live& BlockSession::live() {
+  if (!live_) throw InputError("nothing is served", "call serve() first");
+  return *live_;
+}
+
+}  // namespace ringsplat::python
