@@ -34,6 +34,7 @@ optional=(
   "python3-dev: the Python module"
   "chromium chromium-driver python3-selenium: tests of the viewer's page"
   "ffmpeg: films as MP4"
+  "gfortran: the example in Fortran"
   "iproute2: tests on several machines"
 )
 mpich=("libmpich-dev mpich: a second MPI")

@@ -3,7 +3,7 @@
 include(CMakePackageConfigHelpers)
 get_property(rooms GLOBAL PROPERTY RINGSPLAT_ROOMS)
 list(REMOVE_ITEM rooms ringsplat_decode ringsplat_app ringsplat_command_line ringsplat_study ringsplat_program ringsplat_forecast ringsplat_options
-     ringsplat_alone ringsplat_python)
+     ringsplat_alone ringsplat_words)
 add_library(ringsplat_library INTERFACE)
 add_library(ringsplat::ringsplat ALIAS ringsplat_library)
 set_target_properties(ringsplat_library PROPERTIES EXPORT_NAME ringsplat)
@@ -20,7 +20,7 @@ install(CODE [[
   if(NOT DEFINED CMAKE_INSTALL_DO_STRIP AND NOT CMAKE_INSTALL_CONFIG_NAME STREQUAL "Debug")
     set(CMAKE_INSTALL_DO_STRIP ON)
   endif()]])
-install(TARGETS ringsplat_cli ringsplat_decode_program)
+install(TARGETS ringsplat_cli ringsplat_decode_program ringsplat_c)
 install(TARGETS ringsplat_library ${libraries} ${rooms} EXPORT ringsplat-targets)
 install(EXPORT ringsplat-targets NAMESPACE ringsplat:: DESTINATION ${package_folder})
 set(left_out)
@@ -28,7 +28,8 @@ if(NOT RINGSPLAT_WITH_MPI)
   set(left_out PATTERN "ringsplat/mpi" EXCLUDE)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ringsplat DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
-  FILES_MATCHING PATTERN "*.hpp" ${left_out})
+  FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h" ${left_out})
+install(FILES ${PROJECT_SOURCE_DIR}/src/c/ringsplat.f90 DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ringsplat)
 install(FILES ${PROJECT_BINARY_DIR}/include/ringsplat/config.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ringsplat)
 
 configure_package_config_file(src/ringsplat-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config.cmake

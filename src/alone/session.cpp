@@ -32,4 +32,9 @@ bool MpiSession::launched() { return started_by_launcher() && launched_processes
 
 std::string MpiSession::library() { return {}; }
 
+Processes connected_by_number(int) {
+  throw InputError("this build has no MPI, so it has no communicators",
+                   "build it with -DRINGSPLAT_WITH_MPI=ON, or open a session of this process alone");
+}
+
 }  // namespace ringsplat

@@ -121,6 +121,10 @@ Processes connected_at(const void* communicator) {
   return connected<MPI_Comm>(*static_cast<const MPI_Comm*>(communicator));
 }
 
+Processes connected_by_number(int communicator) {
+  return connected<MPI_Comm>(MPI_Comm_f2c(MPI_Fint(communicator)));
+}
+
 template <>
 Processes connected<MPI_Comm>(MPI_Comm comm) {
   auto collectives = make_mpi_collectives(comm);

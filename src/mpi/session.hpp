@@ -48,4 +48,8 @@ std::size_t communicator_handle_bytes();
 /// (ringsplat/mpi/communicator.hpp).
 Processes connected_at(const void* communicator);
 
+/// The same, of a communicator by its number in Fortran (MPI_Comm_c2f). Throws InputError in a build without
+/// MPI.
+Processes connected_by_number(int communicator);
+
 }  // namespace ringsplat

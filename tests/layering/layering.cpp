@@ -198,6 +198,9 @@ const Rules& house_rules() {
                "record", "frame",   "scene",    "session", "simulate", "serve",       "truth",
                "mpi",    "options", "forecast", "program", "study",    "command_line"}},
       {"python",
+       {"base", "images", "volume", "classify", "net", "mpi", "session", "options", "app", "words"}},
+      {"c", {"base", "images", "mpi", "net", "session", "words"}},
+      {"words",
        {"base", "images", "volume", "formats", "classify", "view", "net", "record", "frame", "scene",
         "session", "live", "truth", "mpi", "options", "program", "study", "app"}},
   };

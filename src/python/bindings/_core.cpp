@@ -18,8 +18,8 @@
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
-#include "python/block_session.hpp"
-#include "python/picture.hpp"
+#include "words/block_session.hpp"
+#include "words/picture.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "session/render_frames.hpp"
@@ -27,7 +27,7 @@
 
 namespace nb = nanobind;
 using namespace ringsplat;
-using namespace ringsplat::python;
+using namespace ringsplat::words;
 
 namespace {
 

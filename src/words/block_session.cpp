@@ -1,4 +1,4 @@
-#include "python/block_session.hpp"
+#include "words/block_session.hpp"
 
 #include "app/render_job.hpp"
 #include "base/log.hpp"
@@ -7,7 +7,7 @@
 #include "options/transfer_function_option.hpp"
 #include "ringsplat/base/error.hpp"
 
-namespace ringsplat::python {
+namespace ringsplat::words {
 
 BlockSession::BlockSession(Processes processes, const std::vector<std::string>& layout,
                            const SessionOptions& options, const std::string& problem)
@@ -103,4 +103,4 @@ Live& BlockSession::live() {
   return *live_;
 }
 
-}  // namespace ringsplat::python
+}  // namespace ringsplat::words

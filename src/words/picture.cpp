@@ -1,4 +1,4 @@
-#include "python/picture.hpp"
+#include "words/picture.hpp"
 
 #include <fmt/format.h>
 
@@ -16,7 +16,7 @@
 #include "program/launch.hpp"
 #include "ringsplat/base/error.hpp"
 
-namespace ringsplat::python {
+namespace ringsplat::words {
 namespace {
 
 using app::Option;
@@ -221,4 +221,4 @@ app::MeasuredError measure(const Picture& picture, const app::VolumeOptions& vol
   return measured(picture, scene, error);
 }
 
-}  // namespace ringsplat::python
+}  // namespace ringsplat::words

@@ -10,7 +10,7 @@
 #include "session/render_frames.hpp"
 #include "study/error_budget.hpp"
 
-namespace ringsplat::python {
+namespace ringsplat::words {
 
 // The command line's options of a picture, from the same tables.
 
@@ -64,4 +64,4 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
 app::MeasuredError measure(const Picture& picture, const app::VolumeOptions& volume,
                            const app::ErrorOptions& error, const Hooks& hooks);
 
-}  // namespace ringsplat::python
+}  // namespace ringsplat::words

@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "python/picture.hpp"
 #include "ringsplat/live/live.hpp"
 #include "ringsplat/session/session.hpp"
+#include "words/picture.hpp"
 
-namespace ringsplat::python {
+namespace ringsplat::words {
 
 /// A session whose pictures are described by the command line's options.
 class BlockSession {
@@ -32,7 +32,9 @@ class BlockSession {
   /// Shows the volume in browsers from now on; `words` say what is seen first. Returns the page's address on
   /// rank 0. All ranks pass the same.
   std::string serve(const std::vector<std::string>& words, LiveOptions options);
-  /// A number that pages may change. Throws InputError when nothing is served.
+  /// What is served. Throws InputError when nothing is.
+  Live& live();
+  /// A number that pages may change, kept here.
   void offer(const std::string& name, double value, double low, double high);
   /// As Live::show(). Returns the numbers that are offered, by name.
   std::vector<std::pair<std::string, double>> show(std::int64_t step, double time);
@@ -47,7 +49,6 @@ class BlockSession {
 
   Request request(const std::vector<std::string>& words, const std::vector<app::ViewAngles>& views,
                   const ValueStatistics& values) const;
-  Live& live();
 
   Collectives& collectives_;  ///< the session's
   Session session_;
@@ -57,4 +58,4 @@ class BlockSession {
   std::optional<Live> live_;
 };
 
-}  // namespace ringsplat::python
+}  // namespace ringsplat::words
