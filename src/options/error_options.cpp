@@ -77,6 +77,8 @@ void add_reference_options(OptionList& list, ReferenceOptions& o) {
   list.below("Output") += {
       {"-o,--output", "FILE", nullptr, "The picture: .exr (linear float32), or an 8-bit format",
        value(o.picture.output), Mark::required},
+      {"--background", "COLOUR", "none", "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque",
+       parsed(o.picture.background, parse_colour)},
   };
 }
 

@@ -54,6 +54,10 @@ TEST_CASE("reference: the picture lies nearest to the method's truth, then the f
   CHECK(rmse_of(w, "picture.exr", "field.exr") > 0.1);
   CHECK(rmse_of(w, "picture.exr", "field.exr") < 5);
   CHECK(rmse_of(w, "field.exr", "formula.exr") < 2.5);
+  const std::vector<std::string> white{"--background", "white"};
+  w.must(with(w.view("render", "picture.png"), white));
+  w.must(with(w.view("reference", "field.png"), white));
+  CHECK(rmse_of(w, "picture.png", "field.png") < 5);
   const json settings = json::parse(read_image(w / "field.exr").settings);
   CHECK(settings.at("truth") == "field");
   CHECK(settings.at("tolerance") == 1e-6);
