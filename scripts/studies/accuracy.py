@@ -1,4 +1,4 @@
-"""All figures and pictures of docs/measured/accuracy.md: the default study and its pictures, the sweep of angles, the roundings.
+"""All figures and pictures of docs/measured/accuracy.md: the default list of settings and its pictures, the sweep of angles, the roundings.
 
 CSV, JSON and plots go to FOLDER (default build/accuracy), and with --docs the plots replace those of the page. Times want an idle machine.
 SSIM and FLIP need two packages of PyPI, which go to build/perceptual; without a network the columns are left out.
@@ -8,7 +8,8 @@ from collections import defaultdict
 from pathlib import Path
 
 from .output import median, plotting, print_head, print_row, read_csv, rms, write_figure
-from .run import BUILD, REPO, fail, output_of, parser, program, say
+from .run import BUILD, REPO, fail, output_of, parser, say
+from .settings import DEFAULT_LIST, measure_settings
 
 ENVIRONMENT = REPO / "build/perceptual"
 DOCS = REPO / "docs/measured"
@@ -23,15 +24,15 @@ PANELS = {
 def main(words):
     arguments = parser(__doc__)
     arguments.add_argument("folder", nargs="?", type=Path, default=REPO / "build/accuracy", metavar="FOLDER")
-    arguments.add_argument("--list", help="another study than the program's own (TOML)")
-    arguments.add_argument("--angles", default=Path(__file__).with_name("angles.toml"), help="another sweep than studies/angles.toml")
+    arguments.add_argument("--list", type=Path, default=DEFAULT_LIST, help="another list than studies/settings.toml")
+    arguments.add_argument("--angles", type=Path, default=Path(__file__).with_name("angles.toml"), help="another sweep than studies/angles.toml")
     arguments.add_argument("--docs", action="store_true")
     options = arguments.parse_args(words)
     folder = options.folder
     folder.mkdir(parents=True, exist_ok=True)
     study, angles = folder / "study.csv", folder / "angles.csv"
-    program("study", *([options.list] if options.list else []), "-o", study, "--keep-images", folder / "pictures")
-    program("study", options.angles, "-o", angles)
+    measure_settings(options.list, study, folder / "pictures")
+    measure_settings(options.angles, angles)
     (folder / "roundings.csv").write_text(output_of(BUILD / "measure_roundings"))
     print_results(read_rows(add_perceptual(folder) or study, "field"))
     where = DOCS if options.docs else folder
@@ -90,11 +91,11 @@ def print_results(rows):
 
 
 def speed_error(words):
-    """Draws what `ringsplat study` measured: speed against error with the Pareto front marked, and error against the view's angle."""
+    """Draws what `scripts/study settings` measured: speed against error with the Pareto front marked, and error against the view's angle."""
     arguments = parser(speed_error.__doc__)
-    arguments.add_argument("study", help="written by ringsplat study -o STUDY.csv")
+    arguments.add_argument("study", help="written by scripts/study settings -o STUDY.csv")
     arguments.add_argument("-o", "--output", type=Path, default=Path("."), metavar="FOLDER")
-    arguments.add_argument("--truth", choices=("method", "field", "analytic"), default="field")
+    arguments.add_argument("--truth", choices=("method", "field"), default="field")
     options = arguments.parse_args(words)
     options.output.mkdir(parents=True, exist_ok=True)
     rows, plt = read_rows(options.study, options.truth), plotting()

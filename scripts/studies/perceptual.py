@@ -1,6 +1,6 @@
 """Adds what an eye would see to a study's table: SSIM and FLIP of each picture against its truth.
 
-    ringsplat study -o study.csv --keep-images pictures
+    scripts/study settings -o study.csv --keep-images pictures
     scripts/study perceptual study.csv pictures -o study-perceptual.csv
 
 ssim: structural similarity (Wang et al. 2004), 1 for equal pictures; by scikit-image, Gaussian windows, of the three channels.
@@ -20,10 +20,10 @@ def read_picture(path):
     from skimage.io import imread
 
     if not path.is_file():
-        fail(f"{path} is not there; hint: give the folder that ringsplat study --keep-images wrote")
+        fail(f"{path} is not there; hint: give the folder that scripts/study settings --keep-images wrote")
     picture = imread(path)
     if picture.ndim != 3 or picture.shape[2] < 3 or picture.dtype != numpy.uint8:
-        fail(f"{path} is no 8-bit colour picture; hint: give the folder that ringsplat study --keep-images wrote")
+        fail(f"{path} is no 8-bit colour picture; hint: give the folder that scripts/study settings --keep-images wrote")
     return picture[:, :, :3]
 
 
@@ -56,7 +56,7 @@ def main(words):
     rows = read_csv(options.study)
     measured = [row for row in rows if row.get("picture") and row.get("truth_picture")]
     if not measured:
-        fail(f"{options.study} names no pictures; hint: ringsplat study -o {options.study} --keep-images {options.pictures}")
+        fail(f"{options.study} names no pictures; hint: scripts/study settings -o {options.study} --keep-images {options.pictures}")
     for row in rows:
         row["ssim"] = row["flip"] = ""
     for row in measured:

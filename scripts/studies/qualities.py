@@ -1,7 +1,7 @@
 """Time and error of sheets' settings, of which --quality's are chosen.
 
 Planes (screen, or slices with 1, 1.5 or 2 samples a voxel), slabs and light points, in six views of the repository's head with mr-soft
-and mr-surface, and of VOLUME with TF. Errors are against the field's truth (ringsplat study), times those of two colocated ranks;
+and mr-surface, and of VOLUME with TF. Errors are against the field's truth (scripts/study settings), times those of two colocated ranks;
 settings take turns. FOLDER keeps both, so that a further call adds rounds only. In bold what no other setting beats in time and error.
 """
 import itertools
@@ -12,7 +12,8 @@ from collections import defaultdict
 from pathlib import Path
 
 from .output import median, print_head, print_row, read_csv, rms, write_csv
-from .run import AHEAD, COLOCATED, HEAD, REPO, Bench, parser, program, repeat, say
+from .run import AHEAD, COLOCATED, HEAD, REPO, Bench, parser, repeat, say
+from .settings import measure_settings
 
 REPEATED = 4  # times each view, of which the first frame of all is left out
 SAME_TIME = 1.03  # times that differ less are equal
@@ -45,7 +46,7 @@ def main(words):
 
 
 def list_for_study(scenes, size):
-    """What `ringsplat study` reads."""
+    """What `scripts/study settings` reads."""
     lines = ["repetitions = 1", f'size = "{size}x{size}"', "error_pixels = 4096", 'truths = ["field"]', f"views = {json.dumps(VIEWS)}"]
     for scene, (volume, function) in scenes.items():
         lines += [f"[scene.{scene}]", f"volume = {json.dumps(volume)}", f"tf = {json.dumps(function)}"]
@@ -63,7 +64,7 @@ def measure_errors(folder, scenes, size):
             (folder / kept).unlink(missing_ok=True)
         listed.write_text(text)
     if not (folder / "errors.csv").exists():
-        program("study", listed, "-o", folder / "errors.csv")
+        measure_settings(listed, folder / "errors.csv")
 
 
 def time_settings(folder, scenes, size):
