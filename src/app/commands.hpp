@@ -12,6 +12,7 @@ ExitCode run_render(const RenderOptions& options, Launch& launch);
 ExitCode run_serve(const ServeOptions& options, Launch& launch);
 // The others run on one process.
 ExitCode run_info(const InfoOptions& options);
+ExitCode run_compare(const CompareOptions& options);
 ExitCode run_synth(const SynthOptions& options);
 ExitCode run_reference(const ReferenceOptions& options);
 

@@ -7,7 +7,6 @@
 #include "command_line/command_line.hpp"
 #include "program/launch.hpp"
 #include "program/text_output.hpp"
-#include "study/commands.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -46,7 +45,6 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
                    [](const CompareOptions& o) { return run_compare(o); },
                    [](const SynthOptions& o) { return run_synth(o); },
                    [](const ReferenceOptions& o) { return run_reference(o); },
-                   [](const StudyOptions& o) { return run_study(o); },
                    [](const std::monostate&) { return ExitCode::bad_input; }},
         line.command);
   };

@@ -233,16 +233,10 @@ void OutputFile::fail(int reason) const {
                  hint_for(reason));
 }
 
-void write_text(const fs::path& path, const std::string& text) { write_texts({{path, text}}); }
-
-void write_texts(const std::vector<std::pair<fs::path, std::string>>& files) {
-  std::vector<std::unique_ptr<OutputFile>> written;
-  for (const auto& [path, text] : files) {
-    written.push_back(std::make_unique<OutputFile>(path));
-    written.back()->write(text);
-  }
-  for (const auto& file : written) file->secure();
-  for (const auto& file : written) file->commit();
+void write_text(const fs::path& path, const std::string& text) {
+  OutputFile file(path);
+  file.write(text);
+  file.commit();
 }
 
 void check_can_write(const fs::path& path, const std::string& option) {

@@ -6,7 +6,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace ringsplat {
@@ -54,8 +53,6 @@ class OutputFile {
 
 /// A whole text file. Throws RunError as OutputFile does.
 void write_text(const std::filesystem::path& path, const std::string& text);
-/// Text files that belong together: all get their names, or, when one cannot be written, none.
-void write_texts(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
 
 /// Checks that a file can be made at `path`: its folder exists and can be written, and `path` is neither a
 /// folder nor a device. Else throws InputError naming `option`, or RunError when the disk fails. Leaves

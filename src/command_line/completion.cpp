@@ -12,7 +12,7 @@
 namespace ringsplat::app {
 namespace {
 
-// What shells run to complete a command line: they ask the program. Files and folders they find themselves.
+// What shells run to complete a command line: they ask the program. Files they find themselves.
 constexpr char bash_script[] =
     R"(# bash completion for ringsplat, written by ringsplat --completion bash
 _ringsplat() {
@@ -21,10 +21,9 @@ _ringsplat() {
   COMPREPLY=()
   while IFS=$'\t' read -r offer _; do
     case $offer in
-      :files | :folders)
+      :files)
         compopt -o filenames 2>/dev/null
-        [[ $offer == :files ]] && offer=file || offer=directory
-        mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(compgen -A $offer -- "$current") ;;
+        mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(compgen -A file -- "$current") ;;
       *) COMPREPLY+=("$offer") ;;
     esac
   done < <("$program" --complete "${COMP_WORDS[@]:1:COMP_CWORD}" 2>/dev/null)
@@ -35,18 +34,16 @@ complete -F _ringsplat ringsplat
 constexpr char zsh_script[] = R"(#compdef ringsplat
 # zsh completion for ringsplat, written by ringsplat --completion zsh
 _ringsplat() {
-  local offer tab=$'\t'
-  local -a offers kinds
+  local offer files tab=$'\t'
+  local -a offers
   for offer in "${(@f)$("${words[1]/#\~/$HOME}" --complete "${(@)words[2,CURRENT]}" 2>/dev/null)}"; do
     case $offer in
-      :*) kinds+=($offer) ;;
+      :files) files=1 ;;
       ?*) offers+=("${offer/$tab/:}") ;;
     esac
   done
   (( ! $#offers )) || _describe word offers
-  [[ -z $kinds ]] || compset -P '--*='
-  [[ -z ${kinds[(r):files]} ]] || _files
-  [[ -z ${kinds[(r):folders]} ]] || _files -/
+  [[ -z $files ]] || { compset -P '--*='; _files }
 }
 # Loaded as a function of this name, or read by source.
 [[ $funcstack[1] == _ringsplat ]] && _ringsplat "$@" || compdef _ringsplat ringsplat
@@ -62,8 +59,6 @@ function __ringsplat_offers
         switch $offer
             case :files
                 string join \n -- "$before"(__fish_complete_path (string replace -- "$before" '' "$current"))
-            case :folders
-                string join \n -- "$before"(__fish_complete_directories (string replace -- "$before" '' "$current"))
             case '*'
                 echo $offer
         end
@@ -81,7 +76,7 @@ class Offers {
     if (!word.starts_with(typed_)) return;
     lines_ += before_ + word + (meaning.empty() ? "" : "\t" + meaning) + "\n";
   }
-  void add_paths(const char* kind) { lines_ += kind + std::string("\n"); }
+  void add_files() { lines_ += ":files\n"; }
   const std::string& lines() const { return lines_; }
 
  private:
@@ -124,9 +119,7 @@ bool is_word(std::string_view part) {
   });
 }
 
-bool is_of_files(std::string_view part) {
-  return part.starts_with("FILE") || part.starts_with("VOLUME") || part.starts_with("LIST");
-}
+bool is_of_files(std::string_view part) { return part.starts_with("FILE") || part.starts_with("VOLUME"); }
 
 void offer_values(Offers& offers, const Option& option) {
   offer_known(offers, option);
@@ -136,10 +129,9 @@ void offer_values(Offers& offers, const Option& option) {
       option.reader.form.find('|') != std::string::npos ? option.reader.form : option.form;
   for (const auto part : split(form, "|")) {
     if (is_word(part)) offers.add(std::string(part));
-    if (part == "FOLDER") offers.add_paths(":folders");
     files = files || is_of_files(part);
   }
-  if (files) offers.add_paths(":files");
+  if (files) offers.add_files();
 }
 
 void offer_options(Offers& offers, const OptionList& list) {

@@ -182,10 +182,6 @@ constexpr const char* reference_examples =
   ringsplat reference ml_41x41x41_float32.raw -o truth.exr --truth analytic --formula marschner-lobb
   ringsplat reference head.nrrd -o turn.exr --truth method --orbit 4)";
 
-constexpr const char* study_examples = R"(  ringsplat study -o study.csv
-  ringsplat study --list
-  ringsplat study list.toml -o study.csv --keep-images pictures)";
-
 constexpr Subcommand all_subcommands[] = {
     {"render", "Render a volume: one view, an orbit or a path of views",
      "gps = 4, size = \"640x480\" or light = [-0.4, 0.6, 0.7]", render_examples, everyday_render, add_render,
@@ -203,8 +199,6 @@ constexpr Subcommand all_subcommands[] = {
     {"reference", "Compute the true picture in double precision, to compare with",
      "size = \"640x480\" or truth = \"field\"", reference_examples, everyday_reference, add_reference,
      settle_reference},
-    {"study", "Measure speed and error of many settings", "output = \"study.csv\"", study_examples, "",
-     add_plain<&AllOptions::study, add_study_options>, as_read<&AllOptions::study>},
 };
 
 /// Writes "1", "1.0" and "1e0" alike. Integers that a double cannot hold stay as they are.

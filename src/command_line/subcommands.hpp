@@ -21,7 +21,7 @@ struct Say {
 
 /// What to do; nothing when the command line was wrong.
 using Command = std::variant<std::monostate, Say, RenderOptions, ServeOptions, InfoOptions, CompareOptions,
-                             SynthOptions, ReferenceOptions, StudyOptions>;
+                             SynthOptions, ReferenceOptions>;
 
 /// What the options of all subcommands are bound to.
 struct AllOptions {
@@ -31,7 +31,6 @@ struct AllOptions {
   CompareOptions compare;
   SynthOptions synth;
   ReferenceOptions reference;
-  StudyOptions study;
 };
 
 struct Subcommand {
@@ -92,8 +91,8 @@ inline constexpr const char* completion_shells = "bash|zsh|fish";
 std::string completion_script(const std::string& shell);
 
 /// How a command line may go on, of which `words` are the ones behind the program's name up to the cursor: a
-/// line for each word that may stand in the last one's place, with what it means behind a tab. A line
-/// ":files" or ":folders" stands for those that the shell finds.
+/// line for each word that may stand in the last one's place, with what it means behind a tab. The line
+/// ":files" stands for those that the shell finds.
 std::string completions(const OptionList& program, std::span<const BoundSubcommand> subcommands, Words words);
 
 }  // namespace ringsplat::app

@@ -69,9 +69,7 @@ const Rule all_rules[] = {
     {"--presets", excludes, "volume --gps --ranks",
      "the presets need no volume: ask for one thing at a time"},
     {"--list", excludes, "name", "ask for the list, or make one volume of it"},
-    {"--list", excludes, "list", "ask for the default list, or run one"},
     {"--list", excludes, "--output", "the list goes to standard output: redirect it"},
-    {"--list", excludes, "--keep-images", "a list has no pictures: leave out --keep-images"},
     {"--machine", excludes, "--cores",
      "the machine's file says how many there are: change platform.hosts and .cores there"},
     {"=", refused, "", "give it a value or leave it out", "{0} is empty"},
@@ -108,7 +106,6 @@ const Rule all_rules[] = {
      "leave out {0} or use --shading phong", "{0} has no effect with --shading none"},
     // "-" is standard output for texts only; these options would make a file of that name.
     {"--output=- --diff=-", refused, "", "name a file", "what {0} names cannot go to standard output"},
-    {"--keep-images=-", refused, "", "name a folder", "what {0} names cannot go to standard output"},
 };
 
 bool given(const Option& option, const Which& which) {

@@ -1,4 +1,4 @@
-// Options of errors, truths and studies.
+// Options of errors and truths.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -79,19 +79,6 @@ void add_reference_options(OptionList& list, ReferenceOptions& o) {
        value(o.picture.output), Mark::required},
       {"--background", "COLOUR", "none", "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque",
        parsed(o.picture.background, parse_colour)},
-  };
-}
-
-void add_study_options(OptionList& list, StudyOptions& o) {
-  list.below("Output") += {
-      {"list", "LIST.toml", nullptr,
-       "TOML file of scenes, views and settings; without one, the list that --list prints", value(o.list)},
-      {"-o,--output", "FILE.csv", nullptr,
-       "Table of results, one line each measurement; a .json is written beside it", value(o.output)},
-      {"--keep-images", "FOLDER", nullptr,
-       "Keep every picture, and the whole truths but the method's, as PNG over black; the table names them",
-       value(o.pictures)},
-      {"--list", nullptr, nullptr, "Print the default list and be done", flag(o.show_list)},
   };
 }
 

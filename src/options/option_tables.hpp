@@ -29,7 +29,6 @@ void add_server_options(OptionList& list, ServeOptions& o);
 void add_info_options(OptionList& list, InfoOptions& o);
 void add_compare_options(OptionList& list, CompareOptions& o);
 void add_reference_options(OptionList& list, ReferenceOptions& o);
-void add_study_options(OptionList& list, StudyOptions& o);
 void add_synth_options(OptionList& list, SynthOptions& o);
 
 /// The mode of several channels where none is given.

@@ -180,11 +180,4 @@ struct ReferenceOptions {
   std::vector<std::string> without_effect;  ///< given options that this truth ignores
 };
 
-struct StudyOptions {
-  std::string list;      ///< TOML file of scenes, views and settings; empty: the default list
-  std::string output;    ///< .csv; the same name with .json is written too
-  std::string pictures;  ///< folder that keeps every picture and truth; empty: none is kept
-  bool show_list = false;
-};
-
 }  // namespace ringsplat::app

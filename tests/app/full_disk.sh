@@ -68,26 +68,6 @@ without_room r.exr 0 "$program" reference "$volume" --size 16 -o "$disk/r.exr"
 render -o "$scratch/whole/a.png" >/dev/null && render --azimuth 20 -o "$scratch/whole/b.png" >/dev/null
 without_room d.png 4 "$program" compare "$scratch/whole/a.png" "$scratch/whole/b.png" --diff "$disk/d.png"
 
-cat >"$scratch/list.toml" <<'LIST'
-repetitions = 1
-size = "16x16"
-error_pixels = 16
-views = ["0 0", "30 0", "60 0"]
-[scene.one]
-synth = "ball"
-dims = "12x12x12"
-tf = "grey"
-[setting.a]
-radius = 1.6
-[setting.b]
-radius = 2.0
-[setting.c]
-radius = 1.2
-LIST
-without_room s.csv 0 "$program" study "$scratch/list.toml" -o "$disk/s.csv"
-without_room s.json 4 "$program" study "$scratch/list.toml" -o "$disk/s.csv"
-[[ ! -e $disk/s.csv ]] || fail "one of a study's two tables was written alone"
-
 synth() { "$program" synth gaussians --dims 40x40x40 "$@"; }
 without_room v.nrrd 4 synth --type float32 -o "$disk/v.nrrd"
 without_room v.nrrd 32 synth --no-compression -o "$disk/v.nrrd"

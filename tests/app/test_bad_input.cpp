@@ -235,7 +235,7 @@ const std::vector<Case> other_subcommands{
     {{"compare", "{in}/letter.txt", "{in}/letter.txt", "--fail-above", "-1"}, "--fail-above"},
     {{"compare", "{in}/letter.txt", "{in}/letter.txt", "--diff-scale", "2"}, "no effect"},
     {{"synth", "--list", "ball"}, "--list and name"},
-    {{"study", "--list", "-o", "{out}/x.csv"}, "--list and --output"},
+    {{"synth", "--list", "-o", "{out}/x.nrrd"}, "--list and --output"},
     {{"synth", "nonsense", "-o", "{out}/x.nrrd"}, "nonsense"},
     {{"synth", "ball"}, "-o FILE"},
     {{"synth", "-o", "{out}/x.nrrd"}, "NAME"},

@@ -177,27 +177,3 @@ TEST_CASE("a budget, progressive views and stdin know the clip box", "[mpi][open
   REQUIRE(run_program(files.render({"--engine", "sheets"})).code == 0);
   CHECK(run_program({"compare", files.picture, last, "--fail-above", "0"}).code == 0);
 }
-
-TEST_CASE("a study's scene may be clipped") {
-  const TemporaryFolder folder;
-  const std::string list = folder / "list.toml", table = folder / "study.csv";
-  const auto study = [&](const std::string& clip) {
-    write_text(list,
-               "repetitions = 1\nsize = \"40\"\nerror_pixels = 300\ntruths = [\"method\", \"field\"]\n"
-               "views = [\"20 10\"]\n[scene.ball]\nsynth = \"ball\"\ndims = \"20\"\ntf = \"grey\"\n"
-               "clip = \"" +
-                   clip +
-                   "\"\n[setting.sheets]\nengine = \"sheets\"\nphong = true\n"
-                   "[setting.splats]\nphong = true\n");
-    return run_program({"study", list, "-o", table});
-  };
-  const Ended ended = study("3:17,2:20,5:12");
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
-  const json rows = json::parse(read_text(folder / "study.json"));
-  REQUIRE(rows.size() == 4);
-  for (const json& row : rows) CHECK(row["rmse"] < (row["truth"] == "method" ? 1.0 : 12.0));
-  const Ended refused = study("3:17,2:21,5:12");
-  CHECK(refused.code == 2);
-  CHECK(says(refused.err, "the y part, '2:21'"));
-}

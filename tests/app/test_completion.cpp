@@ -74,7 +74,7 @@ bool has(const Words& words, const std::string& word) {
 TEST_CASE("bash completes subcommands, options and the words of a choice") {
   const Completion completion("bash");
   CHECK(completion.bash({"ren"}) == Words{"render"});
-  CHECK(completion.bash({""}).size() == 7);
+  CHECK(completion.bash({""}).size() == 6);
   CHECK(has(completion.bash({"--ver"}), "--version"));
   CHECK(completion.bash({"render", "--azi"}) == Words{"--azimuth"});
   CHECK(completion.bash({"compare", "--azi"}).empty());
@@ -91,12 +91,11 @@ TEST_CASE("bash completes subcommands, options and the words of a choice") {
   CHECK(completion.bash({"--completion", "f"}) == Words{"fish"});
 }
 
-TEST_CASE("bash completes files and folders where they belong") {
+TEST_CASE("bash completes files where they belong") {
   const Completion completion("bash");
   CHECK(completion.bash({"render", "head"}) == Words{"head scan.nrrd"});
   CHECK(has(completion.bash({"render", "--tf", ""}), "head scan.nrrd"));
   CHECK(has(completion.bash({"render", "head.nrrd", "-o", "pic"}), "pictures"));
-  CHECK(completion.bash({"study", "--keep-images", ""}) == Words{"pictures"});
   CHECK(has(completion.bash({"render", "--config", "h"}), "head scan.nrrd"));
 }
 
@@ -136,7 +135,6 @@ TEST_CASE("the program says how a line may go on, with what words mean") {
   CHECK(offers({"render", "--light", "1", "-0.5", ""}).empty());
   CHECK(offers({"render", "--light", "1", "-0.5", "2", ""}) == ":files\n");
   CHECK(offers({"render", "--log", ""}) == ":files\n");
-  CHECK(offers({"study", "--keep-images", ""}) == ":folders\n");
   CHECK_THAT(offers({"render", "--tf", "mr-so"}), Contains("mr-soft\t") && Contains("\n:files\n"));
   CHECK(offers({}) == offers({""}));
   CHECK(offers({"nonsense", "--frobnicate", "x", "--"}) == offers({"--"}));
@@ -168,7 +166,6 @@ TEST_CASE("zsh completes what bash does") {
   CHECK(completion.zsh({"render", "--quality=d"}) == Words{"--quality=draft"});
   CHECK(completion.zsh({"render", "--gps", ""}) == Words{"auto"});
   CHECK(completion.zsh({"render", ""}) == Words{"_files"});
-  CHECK(completion.zsh({"study", "--keep-images", ""}) == Words{"_files -/"});
   CHECK(completion.zsh({"render", "--zoom", ""}).empty());
 }
 
@@ -186,7 +183,6 @@ TEST_CASE("fish completes what bash does") {
   CHECK(completion.fish("render --zoom ").empty());
   CHECK(has(completion.fish("render --config=he"), "--config=head scan.nrrd"));
   CHECK(has(completion.fish("render he"), "head scan.nrrd"));
-  CHECK(completion.fish("study --keep-images pi") == Words{"pictures/\tDirectory"});
 }
 
 TEST_CASE("a shell that nobody knows is refused") {

@@ -45,10 +45,6 @@ class Scene {
     REQUIRE(run_program({"synth", "ball", "--dims", "20", "-o", volume()}).code == 0);
     REQUIRE(render("a.png", {}).code == 0);
     REQUIRE(render("b.png", {"--azimuth", "30"}).code == 0);
-    write_text(folder_ / "list.toml",
-               "repetitions = 1\nsize = \"16x16\"\nerror_pixels = 16\nviews = [\"0 0\"]\n[scene.one]\nsynth "
-               "= \"ball\"\n"
-               "dims = \"12x12x12\"\ntf = \"grey\"\n[setting.a]\nradius = 1.6\n");
   }
 
   fs::path out() const { return folder_ / "out"; }
@@ -91,8 +87,6 @@ std::vector<Written> all_that_is_written(const Scene& s) {
           small("--tf-out", "f.json"),
           {{"reference", s.volume(), "--size", "8", "-o", out("r.exr")}, "r.exr"},
           {{"compare", s / "a.png", s / "b.png", "--diff", out("d.png")}, "d.png"},
-          {{"study", s / "list.toml", "-o", out("s.csv")}, "s.csv"},
-          {{"study", s / "list.toml", "-o", out("s.csv")}, "s.json"},
           synth("v.nrrd", "v.nrrd"),
           synth("v.nrrd", "v.nrrd", {"--no-compression"}),
           synth("v.nhdr", "v.raw"),
@@ -115,8 +109,7 @@ TEST_CASE("no room for a file ends the run with a message, and what was there st
     const auto bytes = whole.at(written.file).size();
     REQUIRE(bytes > 100);
     // Measured seconds vary in their number of digits.
-    const bool measured =
-        fs::path(written.file).extension() == ".json" || fs::path(written.file).extension() == ".csv";
+    const bool measured = fs::path(written.file).extension() == ".json";
     std::vector<std::uintmax_t> limits{measured ? bytes * 7 / 8 : bytes - 1};
     if (written.file.find("p.") == 0) limits.push_back(0);
     for (const std::uintmax_t most : limits) {
@@ -146,7 +139,7 @@ TEST_CASE("no room for a file ends the run with a message, and what was there st
 TEST_CASE("what cannot be printed is an error too") {
   if (!fs::exists("/dev/full")) return;
   const TemporaryFolder said;
-  for (const std::string arguments : {"synth --list", "study --list", "--version"}) {
+  for (const std::string arguments : {"synth --list", "--version"}) {
     INFO(arguments);
     const std::string command =
         quoted(RINGSPLAT_PROGRAM) + " " + arguments + " >/dev/full 2>" + quoted(said / "err");

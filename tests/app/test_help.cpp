@@ -36,7 +36,7 @@ CommandLine parse(const std::vector<std::string>& words) {
 }  // namespace
 
 TEST_CASE("each subcommand's help has examples of its own, which are right") {
-  for (const char* subcommand : {"render", "info", "compare", "reference", "study", "synth"}) {
+  for (const char* subcommand : {"render", "info", "compare", "reference", "synth"}) {
     const CommandLine line = parse({"ringsplat", subcommand, "--help"});
     const auto* said = std::get_if<ringsplat::app::Say>(&line.command);
     REQUIRE(said != nullptr);

@@ -76,7 +76,7 @@ std::vector<Told> told_in(const std::string& help) {
 TEST_CASE("the manual page has each subcommand and each option of --help-all, with its words") {
   const std::string page = said({"--man"});
   std::size_t options = 0;
-  for (const std::string name : {"", "render", "info", "compare", "synth", "reference", "study"}) {
+  for (const std::string name : {"", "render", "info", "compare", "synth", "reference"}) {
     const std::string section = section_of(page, upper(name));
     const std::vector<std::string> lines = lines_of(section);
     std::string help = name.empty() ? said({"--help"}) : said({name, "--help-all"});
@@ -150,7 +150,7 @@ TEST_CASE("groff finds nothing wrong with the manual page") {
   const Ended shown = run_command("groff -man -Tascii -P-cbou -ww -rLL=300n", page.out);
   CHECK(shown.code == 0);
   CHECK(shown.err.empty());
-  CHECK_THAT(shown.out, Contains("RINGSPLAT STUDY") && Contains("-o, --output FILE.csv") &&
+  CHECK_THAT(shown.out, Contains("RINGSPLAT REFERENCE") && Contains("-o, --output FILE (required)") &&
                             Contains("mpirun -n 6 ringsplat render head.nrrd -o head.png --gps 4"));
 }
 

@@ -121,9 +121,7 @@ TEST_CASE("pictures, volumes and tables go to files only") {
        std::vector<std::vector<std::string>>{{"render", files.volume, "-o", "-"},
                                              {"reference", files.volume, "-o", "-"},
                                              {"compare", picture, picture, "--diff", "-"},
-                                             {"synth", "ball", "-o", "-"},
-                                             {"study", "-o", "-"},
-                                             {"study", "-o", "s.csv", "--keep-images", "-"}}) {
+                                             {"synth", "ball", "-o", "-"}}) {
     const Ended ended = run_program(arguments);
     INFO(arguments.front() << ": " << ended.err);
     CHECK(ended.code == 2);
@@ -142,7 +140,6 @@ TEST_CASE("a stdout that is full fails the run") {
            {"--completion", "bash"},
            {"synth", "--list"},
            {"info", "--presets"},
-           {"study", "--list"},
            {"render", files.volume, "--stats", "-", "--size", "32"},
            {"render", files.volume, "-o", files.folder / "x.png", "--size", "32"}}) {
     CHECK(run_redirected(arguments, ">/dev/full 2>" + quoted(files.folder / "err")) == 3);

@@ -3,7 +3,6 @@
 #include "app/program_runner.hpp"
 #include "images/image_io.hpp"
 #include "support/catch.hpp"
-#include "truth/sampling.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::app_test;
@@ -101,67 +100,6 @@ TEST_CASE("an orbit's frames are each measured", "[mpi][openimageio]") {
   CHECK(fs::exists(w / "picture-0002.exr"));
 }
 
-TEST_CASE("study writes a line for each measurement, and the same as JSON") {
-  const Workshop w;
-  write_text(w / "list.toml",
-             "repetitions = 2\nsize = \"48x48\"\nerror_pixels = 200\nviews = [\"0 0\", \"30 20\"]\n"
-             "[scene.one]\nsynth = \"gaussians\"\ndims = \"16x16x16\"\ntf = \"grey\"\n[setting.a]\nradius = "
-             "1.6\n[setting.b]\nradius = 2.0\n");
-  w.must({"study", w / "list.toml", "-o", w / "results.csv", "--keep-images", w / "pictures/kept"});
-  const std::string csv = read_text(w / "results.csv");
-  CHECK(lines_with(csv, "one,").size() == 8);  // two settings, two views, two truths
-  CHECK(lines_with(csv, "null").empty());
-  const json rows = json::parse(read_text(w / "results.json"));
-  REQUIRE(rows.size() == 8);
-  for (const auto& row : rows) {
-    CHECK(row.at("frames") == 2);
-    CHECK(row.at("seconds").get<double>() > 0);
-    CHECK(row.at("splats").get<int>() > 0);
-    CHECK(row.at("engine") == "splats");
-    CHECK(row.at("image_plane") == "screen");
-    CHECK(row.at("slabs").is_null());
-    const std::string picture = row.at("picture"), truth = row.at("truth_picture");
-    if (row.at("truth") == "method") {
-      CHECK((picture.empty() && truth.empty()));
-    } else {
-      const Image seen = read_image(w / ("pictures/kept/" + picture)).image,
-                  whole = read_image(w / ("pictures/kept/" + truth)).image;
-      REQUIRE((seen.width == 48 && whole.width == 48));
-      CHECK(truth::compare(seen, whole).total.rmse < 10);
-      CHECK(truth::compare(seen, whole).total.rmse > 0.05);
-      CHECK(truth::compare(Image(48, 48), whole).total.rmse > 30);
-    }
-    if (row.at("truth") == "method")
-      CHECK(row.at("rmse").get<double>() < 1e-3);
-    else
-      CHECK(row.at("rmse").get<double>() > 0.05);
-  }
-}
-
-TEST_CASE("a study sends of sheets what render does, also beside splats") {
-  const Workshop w;
-  write_text(
-      w / "list.toml",
-      "repetitions = 1\nsize = \"48x48\"\nerror_pixels = 200\ntruths = [\"field\"]\nviews = [\"20 10\"]\n"
-      "[scene.one]\nvolume = \"" +
-          w.volume() +
-          "\"\ntf = \"mr-surface\"\n[setting.splats]\nradius = 1.6\n"
-          "[setting.draft]\nquality = \"draft\"\n[setting.best]\nquality = \"best\"\n");
-  w.must({"study", w / "list.toml", "-o", w / "results.csv"});
-  const json rows = json::parse(read_text(w / "results.json"));
-  REQUIRE(rows.size() == 3);
-  for (const std::size_t k : {1, 2}) {
-    const std::string quality = rows[k].at("setting");
-    w.must({"render", w.volume(), "--size", "48", "--tf", "mr-surface", "--shading", "none", "--fit",
-            "sphere", "--azimuth", "20", "--elevation", "10", "--quality", quality, "--stats",
-            w / "stats.json"});
-    const json sent = json::parse(read_text(w / "stats.json")).at(0).at("total");
-    INFO(quality);
-    CHECK(rows[k].at("splats") == sent.at("splats_sent"));
-    CHECK(rows[k].at("bytes") == sent.at("payload_bytes_sent"));
-  }
-}
-
 TEST_CASE("truths that cannot be are refused with the way out") {
   const Workshop w;
   const std::pair<std::vector<std::string>, std::string> wrong[] = {
@@ -170,9 +108,6 @@ TEST_CASE("truths that cannot be are refused with the way out") {
       {with(w.view("reference", "x.exr"), {"--formula", "ball"}), "no effect"},
       {with(w.view("reference", "x.exr"), {"--truth", "gut"}), "gut"},
       {with(w.view("render", "x.exr"), {"--error", "analytic"}), "formula"},
-      {{"study", w / "missing.toml", "-o", w / "x.csv"}, "missing.toml"},
-      {{"study", "-o", w / "x.png"}, ".csv"},
-      {{"study", "-o", w / "x.csv", "--keep-images", w.volume()}, "--keep-images"},
   };
   for (const auto& [arguments, named] : wrong) {
     const Ended ended = run_program(arguments);

@@ -140,22 +140,6 @@ TEST_CASE("a text that finds no room for any one of its bytes is an error and le
   CHECK(text_of(folder / "a.txt") == text);
 }
 
-TEST_CASE("of texts that belong together all are written or none") {
-  const TemporaryFolder folder;
-  make(folder / "a", "old a");
-  make(folder / "b", "old b");
-  {
-    const FileSizeLimit limit(500);
-    CHECK_THROWS_AS(write_texts({{folder / "a", "short"}, {folder / "b", std::string(501, 'b')}}), RunError);
-  }
-  CHECK(text_of(folder / "a") == "old a");
-  CHECK(text_of(folder / "b") == "old b");
-  CHECK(files_in(folder.path()) == 2);
-  write_texts({{folder / "a", "new a"}, {folder / "b", "new b"}});
-  CHECK(text_of(folder / "a") == "new a");
-  CHECK(text_of(folder / "b") == "new b");
-}
-
 TEST_CASE("a name of any length that the disk allows can be written") {
   const TemporaryFolder folder;
   const std::string name = std::string(251, 'n') + ".txt";

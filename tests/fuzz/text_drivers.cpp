@@ -18,7 +18,6 @@
 #include "session/render_frames.hpp"
 #include "simulate/machine.hpp"
 #include "study/calibration.hpp"
-#include "study/study_list.hpp"
 
 namespace ringsplat::fuzz {
 namespace {
@@ -87,7 +86,6 @@ std::vector<Input> command_line_seeds() {
       "compare\na.png\nb.png\n--fail-above\n0.5\n",
       "synth\nball\n-o\nball.nrrd\n--dims\n64\n",
       "reference\nhead.nrrd\n-o\nhead.exr\n--truth\nfield\n",
-      "study\nlist.toml\n-o\nout.csv\n",
       "--help\n",
       "render\n--help\n"};
 }
@@ -107,17 +105,6 @@ std::vector<Input> machine_seeds() {
       "1e-8\n[renderer]\nsplat "
       "= 1e-6\n[message]\npacket_bytes = 1500\npacket = 1e-6\n[platform]\nkind = \"fat_tree\"\nbandwidth = "
       "1e9\nlatency = 1e-6\ncores = 4\nleaf = 8\n"};
-}
-
-void run_study_list(std::span<const std::byte> input) {
-  static_cast<void>(app::parse_study_list(std::string(text_of(input)), "a.toml"));
-}
-
-std::vector<Input> study_list_seeds() {
-  return {
-      app::default_study_list,
-      "repetitions = 1\nviews = [\"0 0 0 1\"]\nsweep = \"0:90:30\"\n[scene.a.b]\nvolume = \"x.nrrd\"\ntf = "
-      "\"grey\"\n[setting.a]\nphong = true\nimage_plane = \"slices\"\nsamples = 4\nregion = 32\n"};
 }
 
 LatticeFrame small_lattice() { return {{5, 4, 3}, glm::dvec3(1, 2, 3), glm::dvec3(0.0), glm::dmat3(1.0)}; }
@@ -228,10 +215,6 @@ const Words machine_words{
     "[gp]", "[renderer]", "[message]", "[platform]", "kind = ", "\"mesh\"", "\"torus\"", "\"backbone\"",
     "bandwidth = ", "packet_bytes = ", "cores = ", "hosts = ", "leaf = ", "=", "\"", "[", "]", "[[gp]]",
     "1e300"};
-const Words study_list_words{
-    "[scene.a]", "[setting.a]", "synth = ", "volume = ", "dims = ", "type = ", "sweep = ", "views = [",
-    "truths = [", "\"analytic\"", "radius = ", "kernel = ", "\"texture\"", "phases = ", "qee_bits = ",
-    "0:360:1e-3", "0:1:0", "1:0:-1", "repetitions = ", "[", "]", "\"", "="};
 const Words path_words{
     "azimuth", "elevation", "roll", "zoom", "{\"azimuth\": ", "\"matrix\": [", "{", "}", "[", "]", "#",
     "\r\n", "\t", ",", ";", "1e400", "[[[[[[[["};
@@ -251,7 +234,6 @@ std::vector<Driver> text_drivers() {
       {"configuration", run_configuration, configuration_seeds, configuration_words, 1000},
       {"command_line", run_command_line, command_line_seeds, command_line_words, 1000},
       {"machine", run_machine, machine_seeds, machine_words, 6000},
-      {"study_list", run_study_list, study_list_seeds, study_list_words, 4000},
       {"path", run_path, path_seeds, path_words, 20000},
       {"calibration", run_calibration, calibration_seeds, calibration_words, 5000},
       {"client_message", run_client_message, client_message_seeds, client_message_words, 3000}};

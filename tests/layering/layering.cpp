@@ -192,7 +192,7 @@ const Rules& house_rules() {
       {"forecast",
        {"base", "volume", "net", "protocol", "frame", "engine_parts", "sheet_engine", "scene", "session",
         "simulate", "options", "program"}},
-      {"study", {"base", "images", "volume", "classify", "frame", "session", "truth", "options", "program"}},
+      {"study", {"base", "volume", "frame", "session", "truth", "options", "program"}},
       {"command_line", {"base", "volume", "classify", "session", "serve", "options"}},
       {"app", {"base",   "images",  "volume",   "formats", "classify", "view",        "net",
                "record", "frame",   "scene",    "session", "simulate", "serve",       "truth",

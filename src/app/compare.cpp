@@ -4,11 +4,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "app/commands.hpp"
 #include "base/output_file.hpp"
 #include "base/printable.hpp"
 #include "images/image_io.hpp"
 #include "program/text_output.hpp"
-#include "study/commands.hpp"
 #include "truth/sampling.hpp"
 
 namespace ringsplat::app {
