@@ -325,14 +325,16 @@ Part parse_part(std::string_view given, const std::string& option, Axis axis) {
   return part;
 }
 
-/// The number of voxel faces up to a place, rounded to the nearest face.
+/// The number of voxel faces up to a place, rounded to the nearest face; of a slice's the voxel there.
 int faces_to(double number, const Part& part, Axis axis, const ClipText& clip, const Grid& grid) {
   const int k = static_cast<int>(axis), last = grid.dims[k];
   if (!part.distances && number != std::floor(number))
     refuse(clip.option, axis, part, "has a voxel that is no whole number", "for distances add mm");
   const double voxel = grid.spacing[k] * glm::length(grid.direction[k]),
-               faces = part.distances ? std::ceil(number / voxel - 0.5) : number;
-  if (!(faces >= 0 && faces <= last))
+               faces = !part.distances ? number
+                       : part.slice    ? std::floor(number / voxel)
+                                       : std::ceil(number / voxel - 0.5);
+  if (!(faces >= 0 && faces <= last - int(part.slice)))
     refuse(clip.option, axis, part, "does not lie within the volume",
            part.distances ? fmt::format("it is {:g} mm long there, from 0", last * voxel)
                           : fmt::format("it has voxels 0:{} there", last));
@@ -356,6 +358,26 @@ ClipText parse_clip(const std::string& text, const std::string& option) {
   return clip;
 }
 
+std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string& option) {
+  ClipText clip;
+  clip.option = option;
+  const auto words = split(text, "=");
+  const std::string letter = words.empty() ? "" : detail::trimmed(std::string(words.front()));
+  for (const Axis axis : all_axes) {
+    if (words.size() != 2 || letter != std::string(1, name(axis))) continue;
+    std::string place = detail::trimmed(std::string(words.back()));
+    Part& part = clip.parts[std::size_t(axis)];
+    part.text = printable(place);
+    part.slice = true;
+    part.distances = place.ends_with(unit);
+    if (part.distances) place.resize(place.size() - unit.size());
+    if (take_number(place, part.first) && part.first) return {clip, axis};
+  }
+  throw InputError(
+      fmt::format("{} '{}' names no slice", option, printable(text)),
+      fmt::format("give an axis and a voxel from 0, or a distance: {0} x=40, {0} z=12.5mm", option));
+}
+
 VoxelBox clip_box(const ClipText& clip, const Grid& grid) {
   VoxelBox box = whole_box(grid);
   for (const Axis axis : all_axes) {
@@ -363,6 +385,7 @@ VoxelBox clip_box(const ClipText& clip, const Grid& grid) {
     const Part& part = clip.parts[std::size_t(axis)];
     if (part.first) box.first[k] = faces_to(*part.first, part, axis, clip, grid);
     if (part.end) box.end[k] = faces_to(*part.end, part, axis, clip, grid);
+    if (part.slice) box.end[k] = box.first[k] + 1;
     if (box.first[k] >= box.end[k])
       refuse(clip.option, axis, part, "has no voxel",
              part.distances ? "a voxel counts when its centre lies between" : "FIRST must be less than END");

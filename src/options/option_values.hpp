@@ -102,6 +102,7 @@ struct ClipText {
     std::string text;  ///< as typed, for messages
     std::optional<double> first, end;
     bool distances = false;
+    bool slice = false;  ///< the one voxel at `first`
     bool operator==(const Part&) const = default;
   };
   std::string option;  ///< for messages
@@ -111,6 +112,9 @@ struct ClipText {
 
 /// Throws InputError that names the part that is no range.
 ClipText parse_clip(const std::string& text, const std::string& option);
+
+/// One slice, "x=40" or "z=12.5mm", and the axis that it lies across. Throws InputError.
+std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string& option);
 
 /// The voxels that are meant. Throws InputError that names the part that has none or leaves the volume.
 VoxelBox clip_box(const ClipText& clip, const Grid& grid);

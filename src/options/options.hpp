@@ -117,6 +117,7 @@ struct RenderOptions {
   /// follows from `clip` and the volume's grid. Its `how` follows from `method`.
   FrameSpec frame;
   std::optional<ClipText> clip;
+  std::optional<Axis> slice;  ///< one slice across it is shown, which `clip` tells
   MethodOptions method;
   std::string transfer_function = "auto", transfer_function_out;
   ColourOptions colour;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "options/option_tables.hpp"
@@ -55,12 +56,38 @@ void stand_at(Camera& camera, Side side, World world) {
   camera.elevation = angles[static_cast<int>(side)].y;
 }
 
+/// The world's axis that a direction is nearest to.
+int nearest_axis(const glm::dvec3& direction) {
+  const glm::dvec3 along = glm::abs(direction);
+  return along.x >= along.y && along.x >= along.z ? 0 : along.y >= along.z ? 1 : 2;
+}
+
+/// Stands straight before an axis' slices. Of a patient's the viewer sees axial ones from the feet and
+/// sagittal ones from the left, as radiologists do; of others the world's axes point to the right and up.
+/// They fill the picture, so that one of a slice's size has a pixel a voxel.
+void face_slices(Camera& camera, Axis axis, const Grid& grid, World world) {
+  const double side = world == World::patient ? -1 : 1;
+  const glm::dvec3 to_viewer[] = {{1, 0, 0}, {0, -1, 0}, {0, 0, side}},
+                   up[] = {{0, 0, 1}, {0, 0, 1}, {0, side, 0}};
+  const auto towards = [](const glm::dvec3& direction, const glm::dvec3& wished) {
+    return glm::dot(direction, wished) < 0 ? -direction : direction;
+  };
+  const glm::dvec3 normal = grid.direction[int(axis)], one = grid.direction[in_plane(axis).u],
+                   other = grid.direction[in_plane(axis).v];
+  const int across = nearest_axis(normal);
+  const bool other_is_up = std::abs(glm::dot(other, up[across])) > std::abs(glm::dot(one, up[across]));
+  const glm::dvec3 extent = grid.spacing * glm::dvec3(grid.dims - 1);
+  camera.target = grid.origin + grid.direction * (0.5 * extent);
+  camera.eye = *camera.target + glm::length(extent + grid.spacing) * towards(normal, to_viewer[across]);
+  camera.up = towards(other_is_up ? other : one, up[across]);
+  camera.zoom /= box_fill;
+}
+
 /// The lattice's extents along the world's axes; nothing when it lies askew.
 std::optional<glm::dvec3> extents_in_world(const Grid& grid) {
   glm::dvec3 extents{0};
   for (int k = 0; k < 3; ++k) {
-    const glm::dvec3 along = glm::abs(grid.direction[k]);
-    const int axis = along.x >= along.y && along.x >= along.z ? 0 : along.y >= along.z ? 1 : 2;
+    const int axis = nearest_axis(grid.direction[k]);
     if (extents[axis] > 0) return std::nullopt;
     extents[axis] = grid.dims[k] * grid.spacing[k];
   }
@@ -125,6 +152,14 @@ void add_clip_options(OptionList& list, RenderOptions& o) {
        "Only these voxels, as if the rest were cut off; from the first to before the last; an empty part or "
        "end means up to the face; with mm behind a part, or behind all, distances from the first face",
        parsed(o.clip, parse_clip)},
+      {"--slice", "AXIS=PLACE", nullptr,
+       "Show one slice, as x=40 or z=12.5mm, from straight before it: its values in grey or in --tf's "
+       "colours; "
+       "with --values as numbers",
+       text([&o](const std::string& slice, const std::string& option) {
+         std::tie(o.clip, o.slice) = parse_slice(slice, option);
+         o.colour.mode = Mode::mip;
+       })},
   };
 }
 
@@ -313,7 +348,7 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
 
 void note_direction(const OptionList& list, RenderOptions& o) {
   for (const char* const name :
-       {"--view", "--azimuth", "--elevation", "--matrix", "--eye", "--orbit", "--path"})
+       {"--view", "--azimuth", "--elevation", "--matrix", "--eye", "--orbit", "--path", "--slice"})
     o.direction_chosen = o.direction_chosen || list.is_given(name);
 }
 
@@ -331,6 +366,7 @@ void settle_fit(const OptionList& list, RenderOptions& o) {
 std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes) {
   Camera& camera = o.frame.shown.camera;
   if (o.side) stand_at(camera, *o.side, notes.world);
+  if (o.slice) face_slices(camera, *o.slice, grid, notes.world);
   if (o.direction_chosen) return {};
   const bool patient = notes.world == World::patient;
   const auto extents = extents_in_world(grid);

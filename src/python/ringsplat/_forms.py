@@ -80,7 +80,7 @@ def _path(value: Any) -> list[str]:
 FORMS = {
     **dict.fromkeys(("FLOAT", "DEGREES", "RADII", "RMSE", "F"), ("float", _one)),
     **dict.fromkeys(("INT", "UINT", "N", "T", "BYTES"), ("int", _one)),
-    **dict.fromkeys(("NAME", "TYPE", "SIZE"), ("str", _text)),
+    **dict.fromkeys(("NAME", "TYPE", "SIZE", "AXIS=PLACE"), ("str", _text)),
     "N|NAME,...|all": ("int | str | Sequence[int | str]", _list),
     "SIDE": ("Literal['front', 'back', 'left', 'right', 'top', 'bottom']", _text),
     "WxH": ("int | tuple[int, int] | str", _joined("x", (1, 2))),

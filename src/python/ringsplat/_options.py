@@ -20,6 +20,7 @@ class PictureOptions(TypedDict, total=False):
     endian: Literal['little', 'big']
     offset: int
     clip: str | Sequence[slice | tuple[float | None, float | None] | None]
+    slice: str
     background: str | tuple[float, float, float]
     annotate: bool
     view: Literal['front', 'back', 'left', 'right', 'top', 'bottom']
