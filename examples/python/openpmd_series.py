@@ -47,8 +47,8 @@ def blocks_of(component, rank, ranks):
     return cut[rank::ranks]
 
 
-def hand_over(session, series, mesh, component):
-    """Commits one iteration's mesh."""
+def take_blocks(session, opened, mesh, component):
+    """Gives the session one iteration's mesh; `opened`: its series, or the iteration of a stream."""
     axes = axes_of(mesh, len(component.shape))
     spacing = np.array(mesh.grid_spacing)[axes] * mesh.grid_unit_SI
     origin = (np.array(mesh.grid_global_offset) + np.array(component.position) * mesh.grid_spacing)[axes]
@@ -60,10 +60,9 @@ def hand_over(session, series, mesh, component):
         unit="m",
     )
     read = [(offset, component.load_chunk(offset, extent)) for offset, extent in blocks_of(component, session.rank, session.ranks)]
-    series.flush()
+    opened.series_flush() if isinstance(opened, io.Iteration) else opened.flush()
     for offset, block in read:
         session.add_block([offset[axis] for axis in axes], block.transpose(axes))
-    session.commit()
 
 
 def main():
@@ -78,7 +77,8 @@ def main():
         if mesh_name not in iteration.meshes:
             sys.exit(f"iteration {number} of {file} has no mesh {mesh_name}; it has: {', '.join(iteration.meshes)}")
         mesh = iteration.meshes[mesh_name]
-        hand_over(session, series, mesh, mesh[component_name or io.Mesh_Record_Component.SCALAR])
+        take_blocks(session, series, mesh, mesh[component_name or io.Mesh_Record_Component.SCALAR])
+        session.commit()
         image = session.render(**options)
         iteration.close()
         if image is not None:

@@ -1,5 +1,7 @@
-"""The example that draws openPMD series: blocks as they lie in the file, read by the ranks of a job."""
+"""The examples that draw openPMD series and show openPMD streams: blocks as they lie there, read by the ranks of a job."""
 
+import json
+import multiprocessing
 import pathlib
 import subprocess
 import sys
@@ -8,6 +10,9 @@ import numpy as np
 import pytest
 import ringsplat as rs
 from conftest import MPIEXEC, blob, program, same_library
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "serve"))
+import viewer_client as vc  # noqa: E402
 
 io = pytest.importorskip("openpmd_api")
 EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "examples/python/openpmd_series.py"
@@ -69,3 +74,57 @@ def test_what_is_not_there_is_named(tmp_path):
     done = draw(1, tmp_path / "run.json", tmp_path / "out.png", name="rho")
     assert done.returncode == 1 and "no mesh rho; it has: E" in done.stderr
     assert not (tmp_path / "out.png").exists()
+
+
+STREAM = EXAMPLE.with_name("openpmd_stream.py")
+STEPS = 40
+
+
+def stream(file, readers):
+    """Writes steps of which each is so many times the first, as fast as readers take them."""
+    parameters = {"RendezvousReaderCount": str(readers), "QueueLimit": "1", "QueueFullPolicy": "Block"}
+    config = json.dumps({"adios2": {"engine": {"type": "sst", "parameters": parameters}}})
+    series = io.Series(str(file), io.Access.create, config)
+    for step in range(1, STEPS + 1):
+        iteration = series.write_iterations()[step]
+        iteration.time = 0.5 * step
+        mesh = iteration.meshes["T"]
+        mesh.axis_labels = ["z", "y", "x"]
+        mesh.grid_spacing, mesh.grid_global_offset = [1.0, 1.0, 1.0], [0.0, 0.0, 0.0]
+        component = mesh[io.Mesh_Record_Component.SCALAR]
+        component.position = [0.0, 0.0, 0.0]
+        data = step * blob(SHAPE, "float32")
+        component.reset_dataset(io.Dataset(data.dtype, data.shape))
+        for first, end in ((0, 7), (7, SHAPE[0])):
+            component.store_chunk(data[first:end].copy(), [first, 0, 0], [end - first, *SHAPE[1:]])
+        iteration.close()
+    series.close()
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.skipif("sst" not in io.file_extensions, reason="openpmd-api was built without SST")
+def test_a_stream_is_shown_and_held_while_it_is_written(ranks, tmp_path):
+    if ranks > 1 and not (MPIEXEC and same_library()):
+        pytest.skip("mpi4py uses another MPI than ringsplat")
+    file = tmp_path / "run.sst"
+    writer = multiprocessing.get_context("spawn").Process(target=stream, args=(file, ranks))
+    writer.start()
+    words = [sys.executable, "-B", STREAM, file, "T", "--tf=grey", "--share=0.5"]
+    server = vc.Server([str(word) for word in ([MPIEXEC, "-n", str(ranks)] if ranks > 1 else []) + words])
+    try:
+        client = server.client()
+        client.send({"type": "steer", "act": "pause"})
+        client.picture(seq=client.view(width=64, height=64), at_rest=1)
+        client.send({"type": "steer", "act": "pause"})
+        run = client.receive_until(lambda m: isinstance(m, dict) and m["type"] == "run" and m["paused"])
+        assert run["time"] == 0.5 * run["step"]
+        assert run["histogram"]["high"] == pytest.approx(run["step"] * blob(SHAPE, "float32").max(), rel=1e-6)
+        assert run["step"] < STEPS and writer.is_alive()
+        client.send({"type": "steer", "act": "resume"})
+        assert "ended" in client.text("end", 60)["message"]
+        assert server.wait() == 0, server.errors
+        writer.join(30)
+        assert writer.exitcode == 0
+    finally:
+        server.kill()
+        writer.kill()
