@@ -100,7 +100,7 @@ class BytesProxy final : public OIIO::Filesystem::IOProxy {
   }
   size_t pwrite(const void* from, size_t count, int64_t offset) override try {
     bytes_.resize(std::max(bytes_.size(), std::size_t(offset) + count), std::byte{0});
-    std::memcpy(bytes_.data() + offset, from, count);
+    if (count > 0) std::memcpy(bytes_.data() + offset, from, count);  // `from` may else be null
     return count;
   } catch (const std::bad_alloc&) {
     failed_ = true;
