@@ -81,13 +81,8 @@ std::size_t FrameOutput::most_held(const RenderOptions& options, std::size_t fra
   return in_flight + std::min(frames, FrameWriter::room + 1);
 }
 
-void FrameOutput::take(FrameResult&& result, std::size_t view, int factor) {
-  fs::path file = output_file(options_, view);
-  if (options_.progressive && factor > 1)
-    file.replace_filename(fmt::format("{}-u{}{}", file.stem().string(), factor, file.extension().string()));
-  const bool whole = !options_.progressive || factor == 1;
-  FinishedFrame frame{std::move(result), std::move(file), volume_, range_, whole, {}};
-  if (whole) frame.refinements = std::exchange(refinements_, {});
+void FrameOutput::take(FrameResult&& result, std::size_t view) {
+  FinishedFrame frame{std::move(result), output_file(options_, view), volume_, range_};
   if (options_.error.truth) {
     kept_.push_back({std::move(frame)});
     progress_.at(double(kept_.size()));
@@ -112,9 +107,8 @@ const MeasuredError& FrameOutput::error_of(KeptFrame& kept) {
 std::vector<Judged> FrameOutput::judge() {
   std::vector<Judged> judged;
   for (KeptFrame& kept : kept_) {
-    const FrameSpec& spec = kept.frame.result.spec;
-    if (kept.error || (options_.progressive && spec.shown.reduction.factor > 1)) continue;
-    judged.push_back({spec, kept.frame.file.string(), error_of(kept).error.rmse});
+    if (kept.error) continue;
+    judged.push_back({kept.frame.result.spec, kept.frame.file.string(), error_of(kept).error.rmse});
   }
   truth_.reset();
   return judged;
@@ -136,7 +130,7 @@ void FrameOutput::warn(const std::string& label, const std::string& why, int& fr
 }
 
 void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) {
-  const auto& [result, file, volume, range, whole, refinements] = frame;
+  const auto& [result, file, volume, range] = frame;
   const bool drawn = !options_.run.simulation.count_only, written = !options_.output.empty();
   const std::string label =
       written && !names_film(options_.output) ? file.string() : fmt::format("frame {}", result.spec.frame);
@@ -160,7 +154,6 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   seconds_.push_back(result.stats.seconds);
   period_sum_ += result.stats.period;
   stats_->add(result, channels_, written ? file.string() : std::string(), error, volume);
-  if (whole) stats_->write(refinements);
 }
 
 void FrameOutput::finish() {
@@ -187,14 +180,10 @@ void FrameOutput::make_film() {
   progress_.print(options_.output);
 }
 
-/// Gives a rate, too, since frames overlap; but not where refinements may be dropped, whose time belongs to
-/// no picture.
+/// Gives a rate, too, since frames overlap.
 std::string FrameOutput::summary() const {
-  std::string text =
-      fmt::format("{} frames, median {:.4f} s from start to end", seconds_.size(), median(seconds_));
-  if (!(options_.progressive && options_.path == "-"))
-    text += fmt::format(", one every {:.4f} s", period_sum_ / double(seconds_.size()));
-  return text;
+  return fmt::format("{} frames, median {:.4f} s from start to end, one every {:.4f} s", seconds_.size(),
+                     median(seconds_), period_sum_ / double(seconds_.size()));
 }
 
 namespace {
@@ -215,9 +204,8 @@ void check_film(const RenderOptions& o) {
   if (o.orbit == 0 && o.path.empty() && !o.frames)
     throw InputError(fmt::format("-o {} is a film, and one view is none", o.output),
                      "turn around the volume with --orbit 120, or write a picture: -o picture.png");
-  if (o.path == "-" || o.progressive)
-    throw InputError(fmt::format("-o {}: a film has no part in {}", o.output,
-                                 o.progressive ? "--progressive" : "--path -, which answers each view"),
+  if (o.path == "-")
+    throw InputError(fmt::format("-o {}: a film has no part in --path -, which answers each view", o.output),
                      "write pictures: -o frame.png");
   find_ffmpeg(o.output);
 }

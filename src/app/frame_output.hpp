@@ -32,21 +32,12 @@ struct SliceMemory {
   std::vector<std::uint64_t> predicted;  ///< bytes of slices by GP
 };
 
-/// Statistics of a refined view's coarse frame: seconds from the view's announcement to its picture, and its
-/// error against the full picture.
-struct RefinementStep {
-  double seconds, rmse, largest;  ///< errors in 1/255
-};
-using RefinementSteps = std::map<std::int64_t, RefinementStep>;  ///< by frame
-
 /// A frame, the file that its picture goes to, and the volume that it shows.
 struct FinishedFrame {
   FrameResult result;
   std::filesystem::path file;
   std::string volume;
   ValueRange range;  ///< of its values
-  bool whole;        ///< no better picture of the view comes
-  RefinementSteps refinements;
 };
 
 /// Writes finished frames on threads of their own, one after another in the order they come, so that encoding
@@ -111,14 +102,11 @@ class FrameOutput {
 
   /// Has the picture written. When its error is to be measured it keeps the picture until finish(), as a
   /// truth takes too long for other ranks to wait. Throws RunError when an earlier picture could not be
-  /// written. `view` counts from 0; the names of a refined view's coarser pictures contain their
-  /// undersampling factor.
-  void take(FrameResult&& result, std::size_t view, int factor);
+  /// written. `view` counts from 0.
+  void take(FrameResult&& result, std::size_t view);
   /// The next frames show another volume of a series.
   void show(const std::string& volume, const ValueRange& range);
-  /// For the statistics; before the full picture is taken.
-  void add_refinement(std::int64_t frame, const RefinementStep& step) { refinements_[frame] = step; }
-  /// Measures the kept pictures that were not measured yet. Coarse ones of --progressive are not judged.
+  /// Measures the kept pictures that were not measured yet.
   std::vector<Judged> judge();
   /// Takes the place of a kept picture that was drawn for the frame with the same number.
   void replace(FrameResult&& result);
@@ -159,7 +147,6 @@ class FrameOutput {
   std::vector<double> seconds_;
   double period_sum_ = 0;
   std::unique_ptr<StatsOutput> stats_;
-  RefinementSteps refinements_;  ///< of the view whose full picture comes next
   int empty_frames_ = 0, nearly_empty_frames_ = 0;
   FrameWriter writer_;  ///< declared last: it uses all of the above
 };

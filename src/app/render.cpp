@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <map>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -18,46 +17,31 @@
 #include "program/text_output.hpp"
 #include "record/trace.hpp"
 #include "session/render_frames.hpp"
-#include "truth/sampling.hpp"
 
 namespace ringsplat::app {
 namespace {
 
-/// Which frames are rendered, in which order: each view once, or with --progressive from coarse to fine
-/// (Neumann 1992, section 4.4). A refinement is dropped when a newer view has come; a view's first, coarse
-/// picture never is.
+/// The views that are rendered, in their order: `views` first, then those of `stream`; null: no others.
 class Browsing {
  public:
-  /// `views` come first, then those of `stream`; null: no others. `frame` holds what all frames have in
-  /// common.
-  Browsing(const FrameSpec& frame, std::vector<Camera> views, std::unique_ptr<ViewStream> stream,
-           bool progressive)
-      : frame_(frame),
-        levels_(levels_of(frame, progressive)),
-        views_(std::move(views)),
-        stream_(std::move(stream)),
-        next_level_(levels_.size()) {}
+  /// `frame` holds what all frames have in common.
+  Browsing(const FrameSpec& frame, std::vector<Camera> views, std::unique_ptr<ViewStream> stream)
+      : frame_(frame), views_(std::move(views)), stream_(std::move(stream)) {}
 
   /// The director of the run. `output` takes finished frames; both arguments must outlive the run.
   Director director(FrameOutput& output, Progress& progress) {
-    Director director{
-        [this, &progress] {
-          auto frame = next();
-          say_whether_waiting(frame.has_value(), progress);
-          return frame;
-        },
-        [this, &output, &progress](FrameResult&& result) { take(std::move(result), output, progress); }};
-    if (stream_) {
-      director.may_come = [this] { return stream_->may_come(); };
-      director.unwanted = [this](const FrameSpec& spec) { return unwanted(spec); };
-    }
+    Director director{[this, &progress] {
+                        auto frame = next();
+                        say_whether_waiting(frame.has_value(), progress);
+                        return frame;
+                      },
+                      [this, &output](FrameResult&& result) {
+                        --under_way_;
+                        const auto view = std::size_t(result.spec.frame);
+                        output.take(std::move(result), view);
+                      }};
+    if (stream_) director.may_come = [this] { return stream_->may_come(); };
     return director;
-  }
-
-  /// Views shown and refinements dropped, for a line at the end; empty when nothing was dropped.
-  std::string summary() const {
-    if (dropped_ == 0) return {};
-    return fmt::format("{} views, {} refinements dropped for newer ones", shown_views_, dropped_);
   }
 
   /// Throws InputError when some of the stream's lines were no views. Call it when all frames are done.
@@ -66,37 +50,17 @@ class Browsing {
   }
 
  private:
-  struct Step {
-    std::size_t view;   ///< from 0
-    std::size_t level;  ///< into levels_
-  };
-  struct Shown {
-    Reduction reduction;
-    Image image;
-    std::int64_t frame;
-    double seconds;  ///< since the view was first announced
-  };
-
   std::optional<FrameSpec> next() {
-    const bool refine = next_level_ < levels_.size() && !(next_level_ > 0 && newer_view_waits());
-    if (!refine) {
-      dropped_ += levels_.size() - next_level_;
-      next_level_ = levels_.size();
-      const auto view = next_view();
-      if (!view) return std::nullopt;
-      current_ = view;
-      next_level_ = 0;
-      asked_[shown_views_++] = now_seconds();
-    }
+    const auto view = next_view();
+    if (!view) return std::nullopt;
+    ++under_way_;
     FrameSpec spec = frame_;
-    spec.shown.camera = *current_;
-    spec.shown.reduction = levels_[next_level_];
-    steps_[next_frame_++] = {shown_views_ - 1, next_level_++};
+    spec.shown.camera = *view;
     return spec;
   }
 
   void say_whether_waiting(bool frame_comes, Progress& progress) {
-    const bool waiting = !frame_comes && steps_.empty() && stream_ && stream_->may_come();
+    const bool waiting = !frame_comes && under_way_ == 0 && stream_ && stream_->may_come();
     if (waiting == waiting_) return;
     waiting_ = waiting;
     if (waiting)
@@ -110,63 +74,12 @@ class Browsing {
     return stream_ ? stream_->next() : std::nullopt;
   }
 
-  bool newer_view_waits() { return stream_ && stream_->has_next(); }
-
-  bool unwanted(const FrameSpec& spec) {
-    const auto step = steps_.find(spec.frame);
-    if (step == steps_.end() || step->second.level == 0) return false;
-    if (step->second.view + 1 == shown_views_ && !newer_view_waits()) return false;
-    ++dropped_;
-    steps_.erase(step);
-    return true;
-  }
-
-  void take(FrameResult&& result, FrameOutput& output, Progress& progress) {
-    const auto found = steps_.find(result.spec.frame);
-    if (found == steps_.end()) return;  // unwanted() dropped it, but it was already complete
-    const Step step = found->second;
-    steps_.erase(found);
-    const double seconds = now_seconds() - asked_.at(step.view);
-    const bool full = step.level + 1 == levels_.size();
-    if (levels_.size() > 1) {
-      if (full)
-        compare_with_full(step, result.image, seconds, output, progress);
-      else
-        coarse_[step.view].push_back({result.spec.shown.reduction, result.image, result.spec.frame, seconds});
-    }
-    output.take(std::move(result), step.view, full ? 1 : levels_[step.level].factor);
-    if (!full) return;
-    // Earlier views that are not yet fully refined never will be.
-    coarse_.erase(coarse_.begin(), coarse_.upper_bound(step.view));
-    asked_.erase(asked_.begin(), asked_.upper_bound(step.view));
-  }
-
-  void compare_with_full(const Step& step, const Image& full, double seconds, FrameOutput& output,
-                         Progress& progress) {
-    std::string line = fmt::format("view {}:", step.view);
-    for (const Shown& shown : coarse_[step.view]) {
-      const truth::ErrorFigures error = truth::compare(shown.image, full).total;
-      line += fmt::format(" 1/{} after {:.4f} s, {:.3g}/255 rms;", shown.reduction.factor, shown.seconds,
-                          error.rmse);
-      output.add_refinement(shown.frame, {shown.seconds, error.rmse, error.largest});
-    }
-    progress.print(line + fmt::format(" full after {:.4f} s", seconds));
-  }
-
   FrameSpec frame_;
-  std::vector<Reduction> levels_;
   std::vector<Camera> views_;
   std::unique_ptr<ViewStream> stream_;
   std::size_t next_listed_ = 0;  ///< into views_
-  std::size_t shown_views_ = 0;
-  std::optional<Camera> current_;
-  std::size_t next_level_ = 0;
-  std::int64_t next_frame_ = 0;
-  std::map<std::int64_t, Step> steps_;                ///< by frame, announced and not done
-  std::map<std::size_t, double> asked_;               ///< when a view was first announced
-  std::map<std::size_t, std::vector<Shown>> coarse_;  ///< a view's pictures so far
-  std::size_t dropped_ = 0;
-  bool waiting_ = false;  ///< for a view, while no frame is being rendered
+  int under_way_ = 0;            ///< frames
+  bool waiting_ = false;         ///< for a view, while no frame is being rendered
 };
 
 /// The stream of `--path -`. What is passed by reference must outlive it.
@@ -175,7 +88,7 @@ std::unique_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSp
   const auto check = [&](const Camera& camera) {
     FrameSpec spec = frame;
     spec.shown.camera = camera;
-    check_view(o, std::move(spec), grid);
+    check_frame(spec, grid);
   };
   const auto warn = [&progress](const std::string& text) {
     progress.clear();
@@ -242,7 +155,7 @@ ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
     const double now = now_seconds();
     result.spec.frame = result.stats.frame = std::int64_t(view);
     result.stats.period = now - std::exchange(last_ended, now);
-    output.take(std::move(result), view, 1);
+    output.take(std::move(result), view);
   });
   try {
     for (std::size_t k = 0; k < job.series.size(); ++k) {
@@ -283,8 +196,7 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   const bool reads_stdin = o.path == "-";
   Browsing browsing(
       frame, job.cameras,
-      reads_stdin && launch.rank() == 0 ? views_on_stdin(o, frame, job.volume.grid, progress) : nullptr,
-      o.progressive);
+      reads_stdin && launch.rank() == 0 ? views_on_stdin(o, frame, job.volume.grid, progress) : nullptr);
   progress.begin("rendering", double(job.cameras.size()));
   Trace trace;
   ProtocolOptions protocol = o.run.protocol;
@@ -299,7 +211,6 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   launch.take_leave();
   if (launch.rank() == 0) output.make_film();
   if (!o.trace.empty()) write_trace(trace, o.trace, job.layout, launch);
-  if (const std::string summary = browsing.summary(); !summary.empty()) progress.print(summary);
   if (reads_stdin) launch.check_on_rank_0([&] { browsing.check_stream(); });
   return held ? ExitCode::done : ExitCode::comparison_failed;
 }

@@ -80,7 +80,7 @@ void check_frames(const RenderOptions& o, const std::vector<Camera>& cameras, co
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     spec.shown.camera = cameras[k];
     try {
-      check_view(o, spec, grid);
+      check_frame(spec, grid);
     } catch (const InputError& e) {
       if (cameras.size() == 1) throw;
       throw InputError(fmt::format("frame {}: {}", k, e.what()));
@@ -154,26 +154,13 @@ std::size_t pictures_at_once(const Job& job, std::size_t views) {
   return sums + FrameOutput::most_held(job.options, views);
 }
 
-std::vector<Reduction> levels_of(const FrameSpec& frame, bool progressive) {
-  if (!progressive) return {frame.shown.reduction};
-  const bool prefilter = frame.shown.reduction.prefilter;
-  return {{4, prefilter}, {2, prefilter}, {1, prefilter}};
-}
-
-void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
-  for (const Reduction& level : levels_of(spec, o.progressive)) {
-    spec.shown.reduction = level;
-    check_frame(spec, grid);
-  }
-}
-
 namespace {
 
 /// What these options need loaded when the views traverse `axes`.
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load{axes,
                    needs_normals(o.frame),
-                   {},
+                   {o.frame.shown.reduction.factor},
                    o.frame.shown.reduction.prefilter,
                    needs_cell_ranges(o.frame),
                    o.frame.shown.clip};
@@ -183,7 +170,6 @@ LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
     load.with_normals |= needs_normals(other);
     load.with_cell_ranges |= needs_cell_ranges(other);
   }
-  for (const Reduction& level : levels_of(o.frame, o.progressive)) load.factors.push_back(level.factor);
   if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();
   return load;
 }

@@ -47,12 +47,6 @@ void find_volumes(Job& job, Launch& launch);
 /// throw the same InputError.
 Job prepare(const RenderOptions& given, Launch& launch);
 
-/// The reductions of a view's pictures, coarse to fine.
-std::vector<Reduction> levels_of(const FrameSpec& frame, bool progressive);
-
-/// Throws InputError when the frame's view cannot be rendered at some level.
-void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid);
-
 /// The part that all frames share, with the transfer function for the loaded scene, and under --max-error the
 /// shortcuts. May load the scene again, for another engine or after a calibration. `channel`: of those drawn
 /// together, that of the scene. On all ranks; the result is rank 0's.

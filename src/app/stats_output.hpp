@@ -94,29 +94,16 @@ class StatsOutput {
       j["error"] = to_json(*error);
       j["error"]["seconds"] = error->seconds;
     }
-    waiting_.emplace_back(frame.spec.frame, std::move(j));
-  }
-
-  /// Writes the frames that were added since the last call.
-  void write(const RefinementSteps& steps) {
-    for (auto& [frame, j] : waiting_) {
-      if (const auto step = steps.find(frame); step != steps.end()) {
-        const auto& [seconds, rmse, largest] = step->second;
-        j["refinement"] = {{"seconds", seconds}, {"rmse", rmse}, {"largest", largest}, {"unit", "1/255"}};
-      }
-      if (std::exchange(begun_, true))
-        put(lines_ ? "\n" : ",\n");
-      else if (!lines_)
-        put("[\n");
-      put(plain_json_text(std::move(j)));
-    }
-    waiting_.clear();
+    if (std::exchange(begun_, true))
+      put(lines_ ? "\n" : ",\n");
+    else if (!lines_)
+      put("[\n");
+    put(plain_json_text(std::move(j)));
   }
 
   void finish() {
     if (file_.empty()) return;
     if (as_table_) return write_text_output(file_, table());
-    write({});
     put(lines_ ? "\n" : begun_ ? "\n]\n" : "[\n\n]\n");
     if (output_)
       output_->commit();
@@ -169,9 +156,8 @@ class StatsOutput {
   const bool as_table_;  ///< of sums, in place of JSON
   const char* items_;    ///< what payloads hold
   int frames_ = 0;
-  std::vector<NodeStats> gps_, renderers_;              ///< sums
-  std::vector<std::pair<std::int64_t, json>> waiting_;  ///< entries, with their frames
-  std::unique_ptr<OutputFile> output_;                  ///< null before the first frame, or for stdout
+  std::vector<NodeStats> gps_, renderers_;  ///< sums
+  std::unique_ptr<OutputFile> output_;      ///< null before the first frame, or for stdout
   bool begun_ = false;
 };
 

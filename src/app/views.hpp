@@ -133,11 +133,6 @@ class ViewStream {
     return view;
   }
 
-  bool has_next() {
-    const std::lock_guard lock(mutex_);
-    return !views_.empty();
-  }
-
   /// True while more may come; false once the stream has ended and all views are taken.
   bool may_come() {
     const std::lock_guard lock(mutex_);

@@ -92,13 +92,6 @@ module ringsplat
     end function
   end interface
 
-  interface ringsplat_add_block
-    module procedure add_block_float32, add_block_float64
-  end interface
-  interface ringsplat_update_block
-    module procedure update_block_float32, update_block_float64
-  end interface
-
 contains
 
   integer function ringsplat_set_grid(session, dims, type, spacing, origin) result(status)
@@ -109,39 +102,27 @@ contains
     status = c_set_grid(session, int(dims, c_int32_t), trim(type) // c_null_char, spacing, origin)
   end function
 
-  ! `values`: any section of an array; an empty one is left out.
-  integer function add_block_float32(session, first, values) result(status)
+  ! `values`: any section of an array of real(c_float), real(c_double) or an integer type; an empty one is left out.
+  integer function ringsplat_add_block(session, first, values) result(status)
     type(c_ptr), intent(in) :: session
     integer, intent(in) :: first(3)
-    real(c_float), intent(in), target :: values(:, :, :)
+    class(*), intent(in), target :: values(:, :, :)
+    type(c_ptr) :: at(4)
     status = 0
-    if (size(values) > 0) status = c_add_block(session, int(first, c_int32_t), int(first + shape(values), c_int32_t), &
-                                               c_loc(values(1, 1, 1)), strides_float32(values))
+    if (size(values) == 0) return
+    at = places(values)
+    status = c_add_block(session, int(first, c_int32_t), int(first + shape(values), c_int32_t), at(1), strides(at))
   end function
 
-  integer function add_block_float64(session, first, values) result(status)
-    type(c_ptr), intent(in) :: session
-    integer, intent(in) :: first(3)
-    real(c_double), intent(in), target :: values(:, :, :)
-    status = 0
-    if (size(values) > 0) status = c_add_block(session, int(first, c_int32_t), int(first + shape(values), c_int32_t), &
-                                               c_loc(values(1, 1, 1)), strides_float64(values))
-  end function
-
-  integer function update_block_float32(session, block, values) result(status)
+  integer function ringsplat_update_block(session, block, values) result(status)
     type(c_ptr), intent(in) :: session
     integer, intent(in) :: block
-    real(c_float), intent(in), target :: values(:, :, :)
+    class(*), intent(in), target :: values(:, :, :)
+    type(c_ptr) :: at(4)
     status = 0
-    if (size(values) > 0) status = c_update_block(session, int(block, c_int), c_loc(values(1, 1, 1)), strides_float32(values))
-  end function
-
-  integer function update_block_float64(session, block, values) result(status)
-    type(c_ptr), intent(in) :: session
-    integer, intent(in) :: block
-    real(c_double), intent(in), target :: values(:, :, :)
-    status = 0
-    if (size(values) > 0) status = c_update_block(session, int(block, c_int), c_loc(values(1, 1, 1)), strides_float64(values))
+    if (size(values) == 0) return
+    at = places(values)
+    status = c_update_block(session, int(block, c_int), at(1), strides(at))
   end function
 
   integer function ringsplat_render(session, options, file) result(status)
@@ -189,27 +170,32 @@ contains
     end do
   end function
 
-  function strides_float32(values) result(strides)
-    real(c_float), intent(in), target :: values(:, :, :)
-    integer(c_int64_t) :: strides(3)
-    strides = distances(c_loc(values(1, 1, 1)), [c_loc(values(min(2, size(values, 1)), 1, 1)), &
-                        c_loc(values(1, min(2, size(values, 2)), 1)), c_loc(values(1, 1, min(2, size(values, 3))))])
+  ! Where the first value lies, and its neighbours, or itself where it has none.
+  function places(values) result(at)
+    class(*), intent(in), target :: values(:, :, :)
+    type(c_ptr) :: at(4)
+    integer :: x(4), y(4), z(4), k
+    x = [1, min(2, size(values, 1)), 1, 1]
+    y = [1, 1, min(2, size(values, 2)), 1]
+    z = [1, 1, 1, min(2, size(values, 3))]
+    do k = 1, 4
+      select type (values)
+      type is (real(c_float)); at(k) = c_loc(values(x(k), y(k), z(k)))
+      type is (real(c_double)); at(k) = c_loc(values(x(k), y(k), z(k)))
+      type is (integer(c_int8_t)); at(k) = c_loc(values(x(k), y(k), z(k)))
+      type is (integer(c_int16_t)); at(k) = c_loc(values(x(k), y(k), z(k)))
+      type is (integer(c_int32_t)); at(k) = c_loc(values(x(k), y(k), z(k)))
+      class default; error stop 'ringsplat: blocks are arrays of reals or integers'
+      end select
+    end do
   end function
 
-  function strides_float64(values) result(strides)
-    real(c_double), intent(in), target :: values(:, :, :)
-    integer(c_int64_t) :: strides(3)
-    strides = distances(c_loc(values(1, 1, 1)), [c_loc(values(min(2, size(values, 1)), 1, 1)), &
-                        c_loc(values(1, min(2, size(values, 2)), 1)), c_loc(values(1, 1, min(2, size(values, 3))))])
-  end function
-
-  ! Bytes from one address to others.
-  function distances(from, to) result(bytes)
-    type(c_ptr), intent(in) :: from, to(3)
+  function strides(at) result(bytes)
+    type(c_ptr), intent(in) :: at(4)
     integer(c_int64_t) :: bytes(3)
     integer :: k
     do k = 1, 3
-      bytes(k) = transfer(to(k), bytes(k)) - transfer(from, bytes(k))
+      bytes(k) = transfer(at(k + 1), bytes(k)) - transfer(at(1), bytes(k))
     end do
   end function
 end module

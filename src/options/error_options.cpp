@@ -41,7 +41,7 @@ void note_fixed_shortcuts(const OptionList& list, ErrorBudgetOptions& o) {
   o.fixed_image_plane = list.is_given("--image-plane");
   o.fixed_slabs = list.is_given("--slabs");
   o.fixed_light_points = list.is_given("--light-points");
-  o.fixed_undersample = list.is_given("--undersample") || list.is_given("--progressive");
+  o.fixed_undersample = list.is_given("--undersample");
 }
 
 }  // namespace

@@ -315,10 +315,6 @@ void add_picture_options(OptionList& list, RenderOptions& o) {
 
 void add_shortcut_options(OptionList& list, RenderOptions& o) {
   list.below("Shortcuts") += {
-      {"--progressive", nullptr, nullptr,
-       "Show each view from every 4th voxel, then from every 2nd (OUT-u4.png, OUT-u2.png), then in full; a "
-       "newer view on --path - ends it",
-       flag(o.progressive), Mark::of_program},
       {"--undersample", "1|2|4", initial, "Render a volume of every 2nd or 4th voxel along each axis",
        value(o.frame.shown.reduction.factor)},
       {"--prefilter", nullptr, nullptr,

@@ -122,7 +122,7 @@ TEST_CASE("what several channels cannot have is refused in a line", "[openimagei
     CHECK(ended.code == 2);
     return ended.err;
   };
-  for (const std::string option : {"--progressive", "--values", "--labels"})
+  for (const std::string option : {"--values", "--labels"})
     CHECK_THAT(refusal(stacks.run("0,1", {option})), Contains(option + " is for one"));
   CHECK_THAT(refusal(stacks.run("all", {"--error", "method"})), Contains("--error is for one"));
   CHECK_THAT(refusal(stacks.run("0,2")), Contains("--channel 2") && Contains("no such channel"));

@@ -458,18 +458,6 @@ TEST_CASE("a budget is kept at views between the axes", "[mpi][openimageio]") {
   }
 }
 
-TEST_CASE("coarse pictures of a progressive view are not held to the budget", "[mpi][openimageio]") {
-  const Workshop w;
-  const Ended ended = w.render({"--max-error", "0.01", "--progressive"});
-  INFO(ended.out << ended.err);
-  CHECK(ended.code == 0);
-  CHECK(without_progress(ended.err) == "");
-  const json frames = json::parse(read_text(w.stats()));
-  REQUIRE(frames.size() == 3);
-  CHECK(frames[0].at("error").at("rmse").get<double>() > 0.01);
-  CHECK(frames[2].at("error").at("rmse").get<double>() <= 0.01);
-}
-
 TEST_CASE("a budget and views on standard input are refused") {
   const Workshop w;
   const Ended ended = w.render({"--max-error", "1", "--path", "-", "--azimuth", "20"});

@@ -81,7 +81,6 @@ TEST_CASE("what cannot be a film is refused before anything is drawn, and so is 
   studio.ffmpeg("exit 0\n");
   refused({}, "one view is none; hint: turn around the volume with --orbit");
   refused({"--path", "-"}, "--path -");
-  refused({"--orbit", "2", "--progressive"}, "--progressive");
 }
 
 TEST_CASE("the ffmpeg that is installed makes a film that it can read", "[mpi][openimageio]") {

@@ -136,7 +136,7 @@ TEST_CASE("the manual page tells which options exclude and which need each other
   CHECK_THAT(
       info,
       Contains("90 looks straight down, -90 up. Not with --matrix, --eye, --view, --path. Needs --ranks.\n"));
-  CHECK_THAT(info, Contains("not picked. Needs --undersample or --progressive. Needs --ranks."));
+  CHECK_THAT(info, Contains("not picked. Needs --undersample or --max-error. Needs --ranks."));
   CHECK_THAT(info, Contains("that --tf knows by name. Not with VOLUME, --gps, --ranks."));
 }
 

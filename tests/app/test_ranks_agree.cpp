@@ -225,8 +225,8 @@ TEST_CASE("what settled is what was given, in a file or by default, as one text 
   CHECK(value({"--shuffle", "--seed", "18446744073709551615"}, "--seed") == "18446744073709551615");
   CHECK(value({}, "--gps") == "(none)");
   CHECK(value({"--gps", "auto"}, "--gps") == "auto");
-  CHECK(value({}, "--progressive") == "false");
-  CHECK(value({"--progressive"}, "--progressive") == "true");
+  CHECK(value({}, "--annotate") == "false");
+  CHECK(value({"--annotate"}, "--annotate") == "true");
   CHECK(value({}, "--verbose") == "missing");
   CHECK(value({}, "--config") == "missing");
 }

@@ -287,7 +287,6 @@ TEST_CASE("what cannot be a series is refused with a way out", "[mpi][openimagei
   refused({"render", series.folder / "x-*.tif", "--frames", "all", "-o", series.folder / "x.tif"},
           "would replace");
   CHECK(read_text(series.folder / "x-0001.tif") == "not to be replaced");
-  refused(series.render("all", {"--progressive"}), "--progressive");
   refused(series.render("all", {"--error", "method"}), "--error");
   refused(series.render("all", {"--path", "-"}), "stdin");
   refused(series.render("all", {"--frame", "0"}), "--frame");

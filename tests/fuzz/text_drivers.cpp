@@ -62,7 +62,7 @@ void run_configuration(std::span<const std::byte> input) {
 std::vector<Input> configuration_seeds() {
   return {"gps = 4\nrenderers = 2\nsize = \"640x480\"\nlight = [-0.4, 0.6, 0.7]\n",
           "# a mesh\ntopology = \"mesh\"\nmesh = \"4x4\"\nrouting = 'direct'\nframes-in-flight = 3\n",
-          "[render]\nazimuth = 30.5\nzoom = 2\nshading = \"none\"\nprogressive = true\nbackground = "
+          "[render]\nazimuth = 30.5\nzoom = 2\nshading = \"none\"\nannotate = true\nbackground = "
           "\"#102030\"\n",
           "payload = \"words\"\nregion = 64\nimage-plane = \"slices\"\nsamples = 2\nmax-error = 2.5\nverbose "
           "= true\n"};

@@ -62,13 +62,6 @@ def test_a_layout_changes_no_bit(layout):
     assert same(session, volume, azimuth=20)
 
 
-def test_slab_is_a_former_name_of_bundle():
-    volume = blob(SHAPE)
-    with pytest.warns(DeprecationWarning, match="bundle"):
-        session = session_of(volume, layout=dict(gps=2, renderers=1, slab=3))
-    assert same(session, volume, azimuth=20)
-
-
 def test_options_are_those_of_render():
     volume = blob(SHAPE)
     session = session_of(volume)

@@ -6,7 +6,6 @@ import contextlib
 import functools
 import operator
 import sys
-import warnings
 import weakref
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, TypeVar, cast
 
@@ -71,9 +70,6 @@ def _layout_words(layout: Any) -> list[str]:
         layout = {"gps": gps, "renderers": renderers}
     words = []
     for name, value in layout.items():
-        if name == "slab":
-            warnings.warn("a layout's slab is now called bundle", DeprecationWarning, stacklevel=3)
-            name = "bundle"
         if name not in ("gps", "renderers", "bundle", "roles", "topology", "mesh", "routing"):
             raise TypeError(f"{name} is no part of a layout; hint: gps, renderers, bundle, roles, topology, mesh, routing")
         text = "x".join(map(str, value)) if isinstance(value, (tuple, list)) else str(value)

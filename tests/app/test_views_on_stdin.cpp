@@ -1,4 +1,4 @@
-// --undersample, --progressive and views on stdin, in one process and on ranks.
+// Views on stdin, in one process and on ranks.
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -19,7 +19,6 @@ struct Files {
     more.insert(more.begin(), {"render", volume, "-o", picture, "--size", "96x64", "--region", "32"});
     return more;
   }
-  bool has(const std::string& name) const { return fs::exists(folder / name); }
   /// True when a picture equals that of a separate run.
   bool same_as_alone(const std::string& name, std::vector<std::string> more) const {
     const TemporaryFolder alone;
@@ -31,49 +30,6 @@ struct Files {
 };
 
 }  // namespace
-
-TEST_CASE(
-    "--progressive shows a view from coarse to fine, each with its time and its error against the full one",
-    "[mpi][openimageio]") {
-  for (const int ranks : {0, 3}) {
-    INFO(ranks << " ranks");
-    const Files files;
-    const Ended ended = run_program(files.render({"--azimuth", "30", "--progressive", "--prefilter", "--gps",
-                                                  "2", "--stats", files.stats}),
-                                    ranks);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
-    CHECK(files.same_as_alone("x.png", {"--azimuth", "30"}));
-    CHECK(files.same_as_alone("x-u2.png", {"--azimuth", "30", "--undersample", "2", "--prefilter"}));
-    CHECK(files.same_as_alone("x-u4.png", {"--azimuth", "30", "--undersample", "4", "--prefilter"}));
-    const json stats = json::parse(read_text(files.stats));
-    REQUIRE(stats.size() == 3);
-    CHECK(stats[0]["settings"]["undersample"] == 4);
-    const double coarse = stats[0]["refinement"]["rmse"], finer = stats[1]["refinement"]["rmse"];
-    CHECK(coarse > finer);
-    CHECK(finer > 0);
-    CHECK(stats[0]["refinement"]["seconds"] < stats[1]["refinement"]["seconds"]);
-    CHECK_FALSE(stats[2].contains("refinement"));
-    CHECK(lines_with(ended.out, "full after").size() == 1);
-  }
-}
-
-TEST_CASE("a newer view on stdin ends the refinement of the ones before it", "[threads][mpi][openimageio]") {
-  for (const int ranks : {0, 4}) {
-    INFO(ranks << " ranks");
-    const Files files;
-    const Ended ended = run_program(files.render({"--progressive", "--path", "-", "--stats", files.stats}),
-                                    ranks, "10 5\n# turn\n100 5\n190 5");
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
-    CHECK(files.has("x-0000-u4.png"));
-    CHECK(files.has("x-0001-u4.png"));
-    CHECK_FALSE(files.has("x-0000.png"));
-    CHECK_FALSE(files.has("x-0001.png"));
-    CHECK(files.same_as_alone("x-0002.png", {"--azimuth", "190", "--elevation", "5", "--fit", "sphere"}));
-    CHECK(lines_with(ended.out, "3 views, 4 refinements dropped").size() == 1);
-  }
-}
 
 TEST_CASE("lines on stdin that give no view are skipped, the others are rendered, and the run ends with 2",
           "[mpi][openimageio]") {
@@ -136,7 +92,4 @@ TEST_CASE("views on stdin are each rendered, but not by every subcommand", "[mpi
   const Ended none = run_program({"reference", files.volume, "-o", files.picture, "--path", "-"});
   CHECK(none.code == 2);
   CHECK(lines_with(none.err, "stdin").size() == 1);
-  const Ended both = run_program(files.render({"--progressive", "--undersample", "2"}));
-  CHECK(both.code == 2);
-  CHECK(lines_with(both.err, "--progressive and --undersample").size() == 1);
 }
