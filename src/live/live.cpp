@@ -83,7 +83,7 @@ struct Live::State {
     v.version = RINGSPLAT_VERSION;
     v.layout = "the simulation's ranks";
     v.ranks = session.ranks();
-    v.volume = {options.name, grid, false, "", false, {values.range}, values.histogram};
+    v.volume = {options.name, grid, false, options.unit, false, {values.range}, values.histogram};
     v.frame = frame;
     v.initial.shown = frame.shown;
     if (frame.shown.mode != Mode::surface) v.initial.shown.isovalue = parting_value(values);
@@ -176,11 +176,12 @@ struct Live::State {
     std::vector<double> values;
     FromBytes archive(told_by_0);
     archive(act, values);
-    if (!archive.ok() || values.size() != offered.size())
-      throw InputError(fmt::format("rank {} offers {} parameters, rank 0 {}", session.rank(), offered.size(),
-                                   values.size()),
-                       "all ranks offer the same");
-    for (std::size_t k = 0; k < values.size(); ++k) *offered[k].value = values[k];
+    if (values.size() != offered.size())
+      SessionParts::note_problem(
+          session, fmt::format("rank {} offers {} parameters, rank 0 {}; hint: all ranks offer the same",
+                               session.rank(), offered.size(), values.size()));
+    else
+      for (std::size_t k = 0; k < values.size(); ++k) *offered[k].value = values[k];
     return act;
   }
 

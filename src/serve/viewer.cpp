@@ -57,6 +57,7 @@ class PageViewer final : public Viewer {
   Director director() override {
     const std::lock_guard lock(mutex_);
     next_frame_ = 0;
+    rendering_.reset();  // of a run that failed
     return {.next_frame = {},
             .frame_done = [this](FrameResult&& result) { take(std::move(result)); },
             .may_come =

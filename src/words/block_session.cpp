@@ -60,6 +60,7 @@ std::string BlockSession::serve(const std::vector<std::string>& words, LiveOptio
   agree_after(collectives_, [&] {
     const Request wanted = request(words, {}, values);
     options.frame = wanted.frames.front();
+    options.unit = committed_notes_.unit;
     options.background = wanted.options.background.value_or(options.background);
   });
   live_.emplace(session_, options);

@@ -19,7 +19,7 @@ SHAPE = (16, 18, 20)
 
 def served(volume, **options):
     session = rs.Session()
-    session.set_grid(volume.shape, volume.dtype)
+    session.set_grid(volume.shape, volume.dtype, unit="mm")
     session.add_block((0, 0, 0), volume)
     session.commit()
     return session, session.serve(**options)
@@ -54,7 +54,7 @@ def test_a_page_sees_each_step_and_changes_what_is_offered():
 
     def look():
         client = client_of(url)
-        assert client.hello["volume"]["name"] == "wave"
+        assert (client.hello["volume"]["name"], client.hello["volume"]["unit"]) == ("wave", "mm")
         assert client.hello["state"]["transfer_function"]["name"] == "grey"
         client.picture(seq=client.view(width=64, height=64))
         seen["held"] = held_run(client, 66)["step"]

@@ -13,6 +13,7 @@ namespace ringsplat {
 
 struct LiveOptions {
   std::string name = "simulation";    ///< of what is shown, for people
+  std::string unit = {};              ///< of the grid's spacing; empty: unknown
   std::string address = "127.0.0.1";  ///< to listen at; others than this machine's reach another one
   int port = 0;                       ///< 0: any that is free
   /// As the options of `ringsplat serve`.
