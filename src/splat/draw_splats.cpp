@@ -7,6 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
+#include <variant>
+#include <vector>
 
 #include "raster/pixel_vectors-inl.hpp"
 #include "splat/painter_kernels.hpp"
@@ -38,7 +41,7 @@ HWY_INLINE Colour load_colour(const Splat& splat) {
 /// Draws all plausible splats: draw_one(splat, x, y) gets the anchor, from the region's corner, and returns
 /// whether the kernel reaches a pixel centre of the region.
 template <class DrawOne>
-HWY_INLINE DrawCounts draw_each(const SplatRun& run, const DrawOne& draw_one) {
+HWY_INLINE DrawCounts draw_each(const SplatRun& run, DrawOne draw_one) {
   DrawCounts counts;
   for (std::size_t i = 0; i < run.count; ++i) {
     const Splat splat = load_splat(run.bytes + i * sizeof(Splat));
@@ -111,142 +114,204 @@ DrawCounts DrawWithStencil(const SliceBuffer& slice, const Stencil& stencil, con
 struct OffsetRun {
   std::int64_t first, end;
   bool empty() const { return first >= end; }
+  OffsetRun within(const OffsetRun& other) const {
+    return {std::max(first, other.first), std::min(end, other.end)};
+  }
 };
 
-/// The pixels where the quadratic of the splat's row is positive. There is no NaN: coefficients are finite
-/// and D < 0.
-OffsetRun positive_extent(const Footprint& footprint, KernelReach reach, const Splat& splat,
-                          std::int64_t row) {
-  const auto dy = static_cast<double>(row);
-  const double b = static_cast<double>(splat.a) + footprint.e * dy;
-  const double c = static_cast<double>(splat.c) + static_cast<double>(splat.b) * dy + footprint.f * dy * dy;
-  const double discriminant = b * b - 4 * footprint.d * c;
-  if (!(discriminant > 0)) return {0, 0};
-  const double root = std::sqrt(discriminant), scale = -2 * footprint.d;
-  const auto before = -static_cast<double>(reach.x) - 1, after = static_cast<double>(reach.x) + 2;
-  return {static_cast<std::int64_t>(std::ceil(std::clamp((b - root) / scale, before, after))),
-          static_cast<std::int64_t>(std::floor(std::clamp((b + root) / scale, before, after))) + 1};
-}
+/// Weights computed from the quadratic.
+///
+/// As all weights that a RowPainter takes: `reach` is that of every kernel; begin(splat) is false for what no
+/// footprint gives; begin_row(dy, columns) returns the columns with weights, and weights(dx) those of `lanes`
+/// pixels, of which the ones outside these columns mean nothing.
+class ComputedWeights {
+ public:
+  static constexpr bool fused_sums = true;
+  HWY_INLINE explicit ComputedWeights(const Footprint& footprint)
+      : reach(kernel_reach(footprint)), footprint_(footprint) {}
+  KernelReach reach;
 
+  HWY_INLINE bool begin(const Splat& splat) {
+    splat_ = splat;
+    return true;
+  }
+  HWY_INLINE OffsetRun begin_row(std::int64_t row, const OffsetRun& columns) {
+    const auto dy = static_cast<double>(row);
+    u0_ = static_cast<float>(footprint_.p[1][0] * dy);
+    v0_ = static_cast<float>(footprint_.p[1][1] * dy);
+    linear_ = std::fma(splat_.b, static_cast<float>(dy), splat_.c);
+    return positive(dy).within(columns);
+  }
+  HWY_INLINE FloatVector weights(std::int64_t column) const {
+    const Floats d;
+    const auto set = [&](double value) { return hn::Set(d, static_cast<float>(value)); };
+    const hn::Rebind<std::int32_t, Floats> d32;
+    const auto dx = hn::ConvertTo(d, hn::Iota(d32, static_cast<std::int32_t>(column)));
+    const auto u = fused(set(footprint_.p[0][0]), dx, hn::Set(d, u0_)),
+               v = fused(set(footprint_.p[0][1]), dx, hn::Set(d, v0_));
+    const auto k = hn::Neg(fused(u, u, hn::Mul(v, v)));
+    const auto q = hn::Add(fused(hn::Set(d, splat_.a), dx, k), hn::Set(d, linear_));
+    const auto w = hn::Max(q, hn::Zero(d));
+    return hn::Mul(w, w);
+  }
+
+ private:
+  /// The pixels where the quadratic of the splat's row is positive. There is no NaN: coefficients are finite
+  /// and D < 0.
+  OffsetRun positive(double dy) const {
+    const double b = static_cast<double>(splat_.a) + footprint_.e * dy;
+    const double c =
+        static_cast<double>(splat_.c) + static_cast<double>(splat_.b) * dy + footprint_.f * dy * dy;
+    const double discriminant = b * b - 4 * footprint_.d * c;
+    if (!(discriminant > 0)) return {0, 0};
+    const double root = std::sqrt(discriminant), scale = -2 * footprint_.d;
+    const auto before = -static_cast<double>(reach.x) - 1, after = static_cast<double>(reach.x) + 2;
+    return {static_cast<std::int64_t>(std::ceil(std::clamp((b - root) / scale, before, after))),
+            static_cast<std::int64_t>(std::floor(std::clamp((b + root) / scale, before, after))) + 1};
+  }
+
+  const Footprint& footprint_;
+  Splat splat_{};
+  float u0_ = 0, v0_ = 0, linear_ = 0;  ///< of the row
+};
+
+/// Weights looked up at the splat's phase.
+class TabledWeightRows {
+ public:
+  static constexpr bool fused_sums = true;
+  HWY_INLINE explicit TabledWeightRows(const FootprintTable& table) : reach(table.reach), table_(table) {}
+  KernelReach reach;
+
+  HWY_INLINE bool begin(const Splat& splat) {
+    first_row_ = table_.phase_of(splat.a, splat.b) * table_.rows();
+    return true;
+  }
+  HWY_INLINE OffsetRun begin_row(std::int64_t row, const OffsetRun& columns) {
+    const std::size_t at = first_row_ + static_cast<std::size_t>(row + reach.y);
+    row_ = table_.weights.data() + at * table_.row + reach.x;
+    return OffsetRun{table_.covered[at].first, table_.covered[at].end}.within(columns);
+  }
+  HWY_INLINE FloatVector weights(std::int64_t column) const { return hn::LoadU(Floats(), row_ + column); }
+
+ private:
+  const FootprintTable& table_;
+  std::size_t first_row_ = 0;
+  const float* row_ = nullptr;
+};
+
+/// Weights in fixed point.
+class FixedPointRows {
+ public:
+  static constexpr bool fused_sums = false;
+  FixedPointRows(const Footprint& footprint, int bits)
+      : reach(kernel_reach(footprint)),
+        bits_(bits),
+        d_(fixed(footprint.d)),
+        e_(fixed(footprint.e)),
+        f_(fixed(footprint.f)),
+        row_(static_cast<std::size_t>(2 * reach.x + 2) + lanes) {}
+  KernelReach reach;
+
+  bool begin(const Splat& splat) {
+    // No footprint has larger coefficients, since its semi-axes are a pixel or more.
+    constexpr float largest_a_or_b = 4.5F, largest_c = 8;
+    if (!(std::abs(splat.a) <= largest_a_or_b && std::abs(splat.b) <= largest_a_or_b &&
+          std::abs(splat.c) <= largest_c))
+      return false;
+    a_ = fixed(static_cast<double>(splat.a));
+    b_ = fixed(static_cast<double>(splat.b));
+    c_ = fixed(static_cast<double>(splat.c));
+    return true;
+  }
+  OffsetRun begin_row(std::int64_t dy, const OffsetRun& columns) {
+    const std::int64_t row = (f_ * dy + b_) * dy + c_, largest = (std::int64_t{1} << bits_) - 1;
+    const auto last_place = std::ldexp(1.0F, -bits_);
+    OffsetRun covered{columns.end, columns.first};
+    for (std::int64_t dx = columns.first; dx < columns.end; ++dx) {
+      const std::int64_t q = ((d_ * dx + e_ * dy + a_) * dx + row) >> guard_bits;
+      const float value = static_cast<float>(std::clamp<std::int64_t>(q, 0, largest)) * last_place;
+      row_[static_cast<std::size_t>(dx + reach.x)] = value * value;
+      if (q > 0) covered = {std::min(covered.first, dx), dx + 1};
+    }
+    return covered;
+  }
+  HWY_INLINE FloatVector weights(std::int64_t column) const {
+    return hn::LoadU(Floats(), row_.data() + column + reach.x);
+  }
+
+ private:
+  static constexpr int guard_bits = 14;
+  std::int64_t fixed(double value) const { return std::llround(std::ldexp(value, bits_ + guard_bits)); }
+
+  int bits_;
+  std::int64_t d_, e_, f_, a_ = 0, b_ = 0, c_ = 0;
+  std::vector<float> row_;  ///< weights from −reach.x on; vectors read past the window
+};
+
+/// Draws splats row by row, clipped to the region.
+template <class Weights>
 class RowPainter {
  public:
-  HWY_INLINE RowPainter(const SliceBuffer& slice, const Footprint& footprint, PixelRun* written)
-      : slice_(slice), written_(written), footprint_(footprint), reach_(kernel_reach(footprint)) {}
+  HWY_INLINE RowPainter(const SliceBuffer& slice, Weights weights, PixelRun* written)
+      : slice_(slice), weights_(std::move(weights)), written_(written) {}
 
   /// Returns whether the splat reaches a pixel.
-  HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) const {
-    const OffsetRun columns{std::max(-x, -reach_.x), std::min(slice_.width - x, reach_.x + 2)};
-    const OffsetRun rows{std::max(-y, -reach_.y), std::min(slice_.height - y, reach_.y + 2)};
-    if (columns.empty()) return false;
-
+  HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) {
+    const KernelReach reach = weights_.reach;
+    const OffsetRun columns{std::max(-x, -reach.x), std::min(slice_.width - x, reach.x + 2)},
+        rows{std::max(-y, -reach.y), std::min(slice_.height - y, reach.y + 2)};
+    if (columns.empty() || !weights_.begin(splat)) return false;
     const Colour colour = load_colour(splat);
     bool reached = false;
     for (std::int64_t dy = rows.first; dy < rows.end; ++dy) {
-      OffsetRun extent = positive_extent(footprint_, reach_, splat, dy);
-      extent = {std::max(extent.first, columns.first), std::min(extent.end, columns.end)};
+      const OffsetRun extent = weights_.begin_row(dy, columns);
       if (extent.empty()) continue;
       const auto row = static_cast<std::ptrdiff_t>(y + dy);
       const auto first = static_cast<std::int32_t>(x + extent.first);
       written_[row].include(first, static_cast<std::int32_t>(x + extent.end));
-      float* pixels = slice_.origin + row * slice_.row_floats + first * std::ptrdiff_t{4};
-      reached |= add(pixels, splat, dy, colour, extent);
+      reached |= add(slice_.origin + row * slice_.row_floats + first * std::ptrdiff_t{4}, colour, extent);
     }
     return reached;
   }
 
  private:
-  /// Adds to a row of the splat's. Returns whether Q > 0 in any of the pixels. `pixels`: the extent's first.
-  HWY_INLINE bool add(float* pixels, const Splat& splat, std::int64_t row, const Colour& colour,
-                      const OffsetRun& extent) const {
+  /// Adds to a row of the splat's. Returns whether any of the weights is positive. `pixels`: the extent's
+  /// first.
+  HWY_INLINE bool add(float* pixels, const Colour& colour, const OffsetRun& extent) const {
     const Floats d;
-    const hn::Rebind<std::int32_t, Floats> d32;
-    const auto dy = static_cast<double>(row);
-    const auto set = [&](double value) { return hn::Set(d, static_cast<float>(value)); };
-    const auto p00 = set(footprint_.p[0][0]), p10 = set(footprint_.p[0][1]),
-               u0 = set(footprint_.p[1][0] * dy), v0 = set(footprint_.p[1][1] * dy);
-    const auto a = hn::Set(d, splat.a),
-               linear = hn::Set(d, std::fma(splat.b, static_cast<float>(dy), splat.c));
-    const auto end = hn::Set(d32, static_cast<std::int32_t>(extent.end));
     auto largest = hn::Zero(d);
     for (std::int64_t at = extent.first; at < extent.end; at += lanes, pixels += 4 * lanes) {
-      const auto column = hn::Iota(d32, static_cast<std::int32_t>(at));
-      const auto dx = hn::ConvertTo(d, column);
-      const auto u = fused(p00, dx, u0), v = fused(p10, dx, v0);
-      const auto k = hn::Neg(fused(u, u, hn::Mul(v, v)));
-      const auto q = hn::Add(fused(a, dx, k), linear);
-      const auto inside = hn::RebindMask(d, hn::Lt(column, end));
-      const auto w = hn::IfThenElseZero(inside, hn::Max(q, hn::Zero(d)));
-      largest = hn::Max(largest, w);
-      const auto weights = hn::Mul(w, w);
-      add_to(pixels, spread_.get<0>(weights), colour);
-      add_to(pixels + lanes, spread_.get<1>(weights), colour);
-      add_to(pixels + 2 * lanes, spread_.get<2>(weights), colour);
-      add_to(pixels + 3 * lanes, spread_.get<3>(weights), colour);
+      const auto inside = hn::FirstN(d, std::min(static_cast<std::size_t>(extent.end - at), lanes));
+      const auto weights = hn::IfThenElseZero(inside, weights_.weights(at));
+      largest = hn::Max(largest, weights);
+      add_some(pixels, spread_.template get<0>(weights), colour);
+      add_some(pixels + lanes, spread_.template get<1>(weights), colour);
+      add_some(pixels + 2 * lanes, spread_.template get<2>(weights), colour);
+      add_some(pixels + 3 * lanes, spread_.template get<3>(weights), colour);
     }
     return !hn::AllFalse(d, hn::Gt(largest, hn::Zero(d)));
   }
-
-  const SliceBuffer& slice_;
-  PixelRun* written_;
-  const Footprint& footprint_;
-  KernelReach reach_;
-  Spread spread_;
-};
-
-DrawCounts DrawByRows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
-                      PixelRun* written) {
-  return draw_each(run, RowPainter(slice, footprint, written));
-}
-
-class TexturePainter {
- public:
-  HWY_INLINE TexturePainter(const SliceBuffer& slice, const FootprintTable& table, PixelRun* written)
-      : slice_(slice), table_(table), written_(written) {}
-
-  HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) const {
-    const std::int64_t left = -x, right = slice_.width - x, top = std::max(-y, -table_.reach_y),
-                       bottom = std::min(slice_.height - 1 - y, table_.reach_y + 1);
-    if (left > table_.reach_x + 1 || right <= -table_.reach_x) return false;
-    const Colour colour = load_colour(splat);
-    const std::size_t first_row = table_.phase_of(splat.a, splat.b) * table_.rows();
-    bool reached = false;
-    for (std::int64_t dy = top; dy <= bottom; ++dy) {
-      const std::size_t at = first_row + static_cast<std::size_t>(dy + table_.reach_y);
-      const PixelRun& covered = table_.covered[at];
-      const auto first = std::max<std::int64_t>(covered.first, left),
-                 end = std::min<std::int64_t>(covered.end, right);
-      if (first >= end) continue;
-      reached = true;
-      const auto row = static_cast<std::ptrdiff_t>(y + dy);
-      written_[row].include(static_cast<std::int32_t>(x + first), static_cast<std::int32_t>(x + end));
-      add(slice_.origin + row * slice_.row_floats + (x + first) * 4,
-          table_.weights.data() + at * table_.row + (first + table_.reach_x), colour,
-          static_cast<int>(end - first));
-    }
-    return reached;
-  }
-
- private:
-  /// Adds to `count` pixels; up to the end of the last vector zeros are added.
-  HWY_INLINE void add(float* pixels, const float* weights, const Colour& colour, int count) const {
+  HWY_INLINE static void add_some(float* pixels, FloatVector weights, const Colour& colour) {
     const Floats d;
-    for (int left = count; left > 0; left -= int(pixels_a_vector)) {
-      const auto inside = hn::FirstN(d, std::min(std::size_t(left), pixels_a_vector));
-      add_to(pixels, spread_.get<0>(hn::IfThenElseZero(inside, hn::LoadU(d, weights))), colour);
-      pixels += lanes;
-      weights += pixels_a_vector;
-    }
+    if constexpr (Weights::fused_sums)
+      add_to(pixels, weights, colour);
+    else
+      hn::StoreU(hn::Add(hn::LoadU(d, pixels), hn::Mul(weights, colour)), d, pixels);
   }
 
   const SliceBuffer& slice_;
-  const FootprintTable& table_;
+  Weights weights_;
   PixelRun* written_;
   Spread spread_;
 };
 
-DrawCounts DrawWithTexture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run,
-                           PixelRun* written) {
-  return draw_each(run, TexturePainter(slice, table, written));
+DrawCounts DrawByRows(const SliceBuffer& slice, const FrameKernel& kernel, const SplatRun& run,
+                      PixelRun* written) {
+  if (const auto* const fixed = std::get_if<FixedPointWeights>(&kernel.weights))
+    return draw_each(run, RowPainter(slice, FixedPointRows(kernel.footprint, fixed->bits), written));
+  if (const auto* const tabled = std::get_if<TabledWeights>(&kernel.weights))
+    return draw_each(run, RowPainter(slice, TabledWeightRows(*tabled->table), written));
+  return draw_each(run, RowPainter(slice, ComputedWeights(kernel.footprint), written));
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -257,16 +322,15 @@ namespace ringsplat {
 
 HWY_EXPORT(DrawWithStencil);
 HWY_EXPORT(DrawByRows);
-HWY_EXPORT(DrawWithTexture);
 
 DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
                              PixelRun* anchors) {
   return HWY_DYNAMIC_DISPATCH(DrawWithStencil)(slice, stencil, run, anchors);
 }
 
-DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
+DrawCounts draw_by_rows(const SliceBuffer& slice, const FrameKernel& kernel, const SplatRun& run,
                         PixelRun* written) {
-  return HWY_DYNAMIC_DISPATCH(DrawByRows)(slice, footprint, run, written);
+  return HWY_DYNAMIC_DISPATCH(DrawByRows)(slice, kernel, run, written);
 }
 
 namespace {
@@ -298,10 +362,8 @@ std::size_t FootprintTable::phase_of(float a, float b) const {
 }
 
 FootprintTable make_footprint_table(const Footprint& footprint, int phases) {
-  const auto reach = kernel_reach(footprint);
   FootprintTable table;
-  table.reach_x = reach.x;
-  table.reach_y = reach.y;
+  const KernelReach reach = table.reach = kernel_reach(footprint);
   table.row = static_cast<std::size_t>(2 * reach.x + 2) + widest_vector;
   const auto floats = [&] { return std::size_t(phases) * std::size_t(phases) * table.rows() * table.row; };
   while (phases > 1 && floats() > most_floats) --phases;
@@ -321,11 +383,6 @@ FootprintTable make_footprint_table(const Footprint& footprint, int phases) {
         fill_row(footprint, reach.x, static_cast<double>(y) - (j + 0.5) / phases, (i + 0.5) / phases,
                  table.weights.data() + at * table.row, table.covered[at]);
   return table;
-}
-
-DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run,
-                             PixelRun* written) {
-  return HWY_DYNAMIC_DISPATCH(DrawWithTexture)(slice, table, run, written);
 }
 
 }  // namespace ringsplat

@@ -5,6 +5,7 @@
 
 #include "raster/slice_buffer.hpp"
 #include "splat/footprint.hpp"
+#include "splat/frame_kernel.hpp"
 #include "splat/splat.hpp"
 #include "splat/stencil.hpp"
 
@@ -14,13 +15,13 @@ namespace ringsplat {
 /// kernel's centre: ((i + ½) / phases, (j + ½) / phases) pixels from the anchor's centre (Westover 1990).
 struct FootprintTable {
   int phases = 1;
-  std::int64_t reach_x = 0, reach_y = 0;  ///< the window is anchor − reach … anchor + reach + 1
+  KernelReach reach{};
   std::size_t row = 0;            ///< floats of a row; more than its pixels, as vectors read past them
-  std::vector<float> weights;     ///< [phase][2 reach_y + 2][row]
-  std::vector<PixelRun> covered;  ///< [phase][2 reach_y + 2]: pixels with a weight, from the anchor
+  std::vector<float> weights;     ///< [phase][2 reach.y + 2][row]
+  std::vector<PixelRun> covered;  ///< [phase][2 reach.y + 2]: pixels with a weight, from the anchor
   double x_of_a = 0, x_of_b = 0, y_of_a = 0, y_of_b = 0;  ///< give the centre from a splat's a and b
 
-  std::size_t rows() const { return static_cast<std::size_t>(2 * reach_y + 2); }
+  std::size_t rows() const { return static_cast<std::size_t>(2 * reach.y + 2); }
   /// The phase of the kernel with the coefficients a and b.
   ///
   /// They are linear in the centre, so it need not travel beside them. It is recovered within 2⁻²⁴ times the
@@ -48,27 +49,23 @@ struct SplatRun {
 DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
                              PixelRun* anchors);
 
-/// The same for kernels of any size, row by row within the region. K = −fma(u, u, v²) is computed on the way,
-/// with (u, v) = P (dx, dy), u = fma(P00, dx, u0) and v = fma(P10, dx, v0), where u0 and v0 are rounded once
-/// a row. A row is drawn where its quadratic, solved in double precision, is positive; that depends on the
-/// splat alone, not on the region.
+/// The same for kernels of any size and weights of any kind, row by row within the region.
+///
+/// Computed weights: K = −fma(u, u, v²) is computed on the way, with (u, v) = P (dx, dy), u = fma(P00, dx,
+/// u0) and v = fma(P10, dx, v0), where u0 and v0 are rounded once a row. A row is drawn where its quadratic,
+/// solved in double precision, is positive; that depends on the splat alone, not on the region.
+///
+/// A table's weights are looked up at the splat's phase.
+///
+/// In fixed point Q is what Pixel-Planes 5 evaluated (Neumann 1992, sections 2.2 and 4.1). The six
+/// coefficients are rounded to bits + 14 binary places. The sum of their products with the whole offsets
+/// (dx, dy) is exact, and its last 14 places are cut off, as a bit-serial evaluator does. So Q is a multiple
+/// of 2^−bits that is not above the true Q but for the coefficients' rounding, and 1 becomes 1 − 2^−bits. The
+/// squares of offsets within a region of 128 pixels need 14 guard bits: the rounded D, E and F then err by at
+/// most half of the result's last place. Q² is float32, and products are rounded before they are added.
 ///
 /// `written`: [height], takes the pixels written in each row.
-DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
+DrawCounts draw_by_rows(const SliceBuffer& slice, const FrameKernel& kernel, const SplatRun& run,
                         PixelRun* written);
-
-/// The same with the weight of a pixel looked up in the table, at the splat's phase.
-DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run,
-                             PixelRun* written);
-
-/// The same with Q in fixed point, as Pixel-Planes 5 evaluated it (Neumann 1992, sections 2.2 and 4.1).
-///
-/// The six coefficients are rounded to bits + 14 binary places. The sum of their products with the whole
-/// offsets (dx, dy) is exact, and its last 14 places are cut off, as a bit-serial evaluator does. So Q is a
-/// multiple of 2^−bits that is not above the true Q but for the coefficients' rounding, and 1 becomes 1 −
-/// 2^−bits. The squares of offsets within a region of 128 pixels need 14 guard bits: the rounded D, E and F
-/// then err by at most half of the result's last place. Q² and the sums are float32.
-DrawCounts draw_fixed_point(const SliceBuffer& slice, const Footprint& footprint, int bits,
-                            const SplatRun& run, PixelRun* written);
 
 }  // namespace ringsplat

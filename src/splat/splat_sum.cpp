@@ -31,20 +31,12 @@ DrawCounts SplatSum::draw(std::int32_t base_x, std::int32_t base_y, std::span<co
   const std::int64_t left = std::int64_t{base_x} - image_->rect().x0,
                      top = std::int64_t{base_y} - image_->rect().y0;
   const auto visible = image_->opaque_tiles().worth_asking() ? without_hidden(left, top, splats) : splats;
-  DrawCounts counts = draw_visible({visible.data(), visible.size() / sizeof(Splat), left, top});
+  const SplatRun run{visible.data(), visible.size() / sizeof(Splat), left, top};
+  DrawCounts counts = stencil_ ? draw_with_stencil(buffer_, *stencil_, run, runs_.data())
+                               : draw_by_rows(buffer_, kernel_, run, runs_.data());
   counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);
   if (counts.drawn > 0) empty_ = false;
   return counts;
-}
-
-DrawCounts SplatSum::draw_visible(const SplatRun& run) {
-  const Footprint& footprint = kernel_.footprint;
-  if (stencil_) return draw_with_stencil(buffer_, *stencil_, run, runs_.data());
-  if (const auto* const fixed = std::get_if<FixedPointWeights>(&kernel_.weights))
-    return draw_fixed_point(buffer_, footprint, fixed->bits, run, runs_.data());
-  if (const auto* const tabled = std::get_if<TabledWeights>(&kernel_.weights))
-    return draw_with_texture(buffer_, *tabled->table, run, runs_.data());
-  return draw_by_rows(buffer_, footprint, run, runs_.data());
 }
 
 /// The splats that are not wholly under opaque tiles, in seen_.

@@ -40,7 +40,6 @@ class SplatSum {
   std::uint64_t composite(glm::dvec2 voxel);
 
  private:
-  DrawCounts draw_visible(const SplatRun& run);
   std::span<const std::byte> without_hidden(std::int64_t left, std::int64_t top,
                                             std::span<const std::byte> splats);
 
