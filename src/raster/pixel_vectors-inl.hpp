@@ -40,12 +40,6 @@ HWY_INLINE V fused(V a, V b, V c) {
 /// and repeats each four times.
 class Spread {
  public:
-#if HWY_MAX_BYTES == 16
-  template <int part>
-  HWY_INLINE FloatVector get(FloatVector values) const {
-    return hn::Broadcast<part>(values);
-  }
-#else
   HWY_INLINE Spread() {
     HWY_ALIGN std::int32_t pick[4][lanes];
     for (std::size_t part = 0; part < 4; ++part) {
@@ -62,7 +56,6 @@ class Spread {
 
  private:
   decltype(hn::SetTableIndices(Floats(), static_cast<const std::int32_t*>(nullptr))) indices_[4];
-#endif
 };
 
 /// Premultiplied (red, green, blue, opacity). Reads two bytes beyond `rgb`'s three words.

@@ -1,89 +1,12 @@
 #include "splat/lattice_sum.hpp"
 
-#include "base/vector_config.hpp"
-
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "splat/lattice_sum.cpp"
-#include <hwy/foreach_target.h>
-#include <hwy/highway.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
-#ifndef RINGSPLAT_LATTICE_SUM_ONCE
-#define RINGSPLAT_LATTICE_SUM_ONCE
 namespace ringsplat {
-namespace {
-
-/// A table of one lattice cell, and a row of pixels as a line through the lattice.
-struct LatticeRow {
-  const float* table = nullptr;  ///< [height + 1][width + 1], of a function with period 1 in u and v
-  int width = 1, height = 1;     ///< steps a cell
-  double voxel_x = 0;            ///< pixels; u and v count from there
-  double u_step = 0, u_start = 0, v_step = 0, v_start = 0;  ///< u = u_step · right + u_start
-};
-
-}  // namespace
-}  // namespace ringsplat
-#endif
-
-HWY_BEFORE_NAMESPACE();
-namespace ringsplat::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Doubles = hn::CappedTag<double, 8>;
-using HalfFloats = hn::Rebind<float, Doubles>;
-using HalfInts = hn::Rebind<std::int32_t, Doubles>;
-
-/// Positions in a table of `size` steps a period: the step, and the rest in [0, 1].
-struct Steps {
-  hn::Vec<HalfInts> index;
-  hn::Vec<HalfFloats> rest;
-};
-HWY_INLINE Steps steps_of(hn::Vec<Doubles> position, int size) {
-  const Doubles d;
-  const auto at = hn::Mul(hn::Sub(position, hn::Floor(position)), hn::Set(d, static_cast<double>(size)));
-  const auto step = hn::Min(hn::Floor(at), hn::Set(d, size - 1.0));
-  return {hn::DemoteTo(HalfInts(), step), hn::DemoteTo(HalfFloats(), hn::Sub(at, step))};
-}
-
-/// Interpolates the table linearly at the centres of the pixels x, x + 1 … of the row. A pixel's bits depend
-/// neither on where the row begins nor on the vector width. Writes up to seven floats beyond `count`.
-void LatticeFactors(const LatticeRow& row, std::int64_t x, std::size_t count, float* factors) {
-  const Doubles d;
-  const HalfFloats half;
-  const HalfInts ints;
-  const auto between = [](auto low, auto high, auto rest) {
-    return hn::Add(low, hn::Mul(rest, hn::Sub(high, low)));
-  };
-  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const auto column = hn::Iota(d, static_cast<double>(x + static_cast<std::int64_t>(i)));
-    const auto right = hn::Sub(hn::Add(column, hn::Set(d, 0.5)), hn::Set(d, row.voxel_x));
-    const Steps u =
-        steps_of(hn::Add(hn::Mul(hn::Set(d, row.u_step), right), hn::Set(d, row.u_start)), row.width);
-    const Steps v =
-        steps_of(hn::Add(hn::Mul(hn::Set(d, row.v_step), right), hn::Set(d, row.v_start)), row.height);
-    const auto at = hn::Add(hn::Mul(v.index, hn::Set(ints, row.width + 1)), u.index);
-    const float* below = row.table + row.width + 1;
-    const auto first =
-        between(hn::GatherIndex(half, row.table, at), hn::GatherIndex(half, row.table + 1, at), u.rest);
-    const auto second =
-        between(hn::GatherIndex(half, below, at), hn::GatherIndex(half, below + 1, at), u.rest);
-    hn::StoreU(between(first, second, v.rest), half, factors + i);
-  }
-}
-
-}  // namespace ringsplat::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
-namespace ringsplat {
-
-HWY_EXPORT(LatticeFactors);
-
 namespace {
 
 constexpr double steps_a_half_width = 512;
@@ -94,6 +17,21 @@ constexpr double smooth_reach = 64;
 int steps(double half_width) {
   return static_cast<int>(std::clamp(std::ceil(steps_a_half_width / half_width), 4.0, 2048.0));
 }
+
+/// A position in a table of `size` steps a period: the step, and the rest in [0, 1].
+struct Step {
+  int index;
+  float rest;
+};
+Step step_of(double position, int size) {
+  // Faster than std::floor.
+  const auto truncated = static_cast<double>(static_cast<std::int64_t>(position));
+  const double at = (position - (truncated - double(truncated > position))) * size;
+  const int step = std::min(static_cast<int>(at), size - 1);
+  return {step, static_cast<float>(at - step)};
+}
+
+float between(float low, float high, float rest) { return low + rest * (high - low); }
 
 /// `n` modulo `period`, in 0 … period − 1.
 std::int64_t phase_of(std::int64_t n, int period) { return (n % period + period) % period; }
@@ -156,24 +94,19 @@ void LatticeSum::divide_row(float* rgba, std::size_t count, std::int64_t x, std:
     for (std::size_t i = 0; i < 4 * count; ++i) rgba[i] *= factors[i % 16];
     return;
   }
+  // A pixel's bits do not depend on where the row begins.
   const double down = static_cast<double>(y) + 0.5 - voxel.y;
-  const LatticeRow row{.table = table_.data(),
-                       .width = width_,
-                       .height = height_,
-                       .voxel_x = voxel.x,
-                       .u_step = to_lattice_[0][0],
-                       .u_start = to_lattice_[1][0] * down,
-                       .v_step = to_lattice_[0][1],
-                       .v_start = to_lattice_[1][1] * down};
-  constexpr std::size_t at_once = 256;
-  float factors[at_once + 8];
-  for (std::size_t first = 0; first < count; first += at_once) {
-    const std::size_t some = std::min(at_once, count - first);
-    HWY_DYNAMIC_DISPATCH(LatticeFactors)(row, x + static_cast<std::int64_t>(first), some, factors);
-    for (std::size_t i = 0; i < some; ++i, rgba += 4)
-      for (int c = 0; c < 4; ++c) rgba[c] *= factors[i];
+  const double u_start = to_lattice_[1][0] * down, v_start = to_lattice_[1][1] * down;
+  for (std::size_t i = 0; i < count; ++i, rgba += 4) {
+    const double right = static_cast<double>(x + static_cast<std::int64_t>(i)) + 0.5 - voxel.x;
+    const Step u = step_of(to_lattice_[0][0] * right + u_start, width_),
+               v = step_of(to_lattice_[0][1] * right + v_start, height_);
+    const float* above = table_.data() + std::ptrdiff_t{v.index} * (width_ + 1) + u.index;
+    const float* below = above + width_ + 1;
+    const float factor =
+        between(between(above[0], above[1], u.rest), between(below[0], below[1], u.rest), v.rest);
+    for (int c = 0; c < 4; ++c) rgba[c] *= factor;
   }
 }
 
 }  // namespace ringsplat
-#endif

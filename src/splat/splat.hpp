@@ -90,26 +90,33 @@ inline std::uint16_t quantise_colour(float value) {
       static_cast<std::int32_t>(inside * 65535.0F + 0.5F));  // NOLINT(bugprone-incorrect-roundings)
 }
 
-/// A splat's opacity word: the corrected opacity times the kernel's weight.
-inline float weighted_opacity(const Footprint& footprint, float opacity) {
-  return static_cast<float>(static_cast<double>(opacity) * footprint.weight);
-}
+/// A voxel's straight linear colour, 65535 = 1, and its opacity, corrected for the slice distance.
+struct VoxelColour {
+  std::uint16_t red, green, blue;
+  float opacity;
+};
 
-/// One voxel's six words. (dx, dy) is Anchored's offset; the colour is straight and linear; `opacity` is
-/// corrected for the slice distance and not yet weighted. anchor_x and anchor_y count from the base of the
+/// One voxel's six words. (dx, dy) is Anchored's offset. anchor_x and anchor_y count from the base of the
 /// group the splat goes to. Coefficients are computed in double precision and rounded once.
-inline Splat make_splat(const Footprint& footprint, double dx, double dy, float red, float green, float blue,
-                        float opacity, std::uint8_t anchor_x = 0, std::uint8_t anchor_y = 0) {
+inline Splat make_splat(const Footprint& footprint, double dx, double dy, const VoxelColour& colour,
+                        std::uint8_t anchor_x = 0, std::uint8_t anchor_y = 0) {
   const auto q = coefficients(footprint, dx, dy);
   return {static_cast<float>(q.a),
           static_cast<float>(q.b),
           static_cast<float>(q.c),
-          weighted_opacity(footprint, opacity),
-          quantise_colour(red),
-          quantise_colour(green),
-          quantise_colour(blue),
+          static_cast<float>(static_cast<double>(colour.opacity) * footprint.weight),
+          colour.red,
+          colour.green,
+          colour.blue,
           anchor_x,
           anchor_y};
+}
+/// The same of colours within [0, 1].
+inline Splat make_splat(const Footprint& footprint, double dx, double dy, float red, float green, float blue,
+                        float opacity, std::uint8_t anchor_x = 0, std::uint8_t anchor_y = 0) {
+  return make_splat(footprint, dx, dy,
+                    {quantise_colour(red), quantise_colour(green), quantise_colour(blue), opacity}, anchor_x,
+                    anchor_y);
 }
 
 }  // namespace ringsplat

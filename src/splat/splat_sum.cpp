@@ -26,10 +26,9 @@ void SplatSum::begin(RegionImage& image) {
   buffer_.height = image.rect().height();
 }
 
-DrawCounts SplatSum::draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats) {
+DrawCounts SplatSum::draw(std::int64_t base_x, std::int64_t base_y, std::span<const std::byte> splats) {
   if (splats.size() < sizeof(Splat)) return {};
-  const std::int64_t left = std::int64_t{base_x} - image_->rect().x0,
-                     top = std::int64_t{base_y} - image_->rect().y0;
+  const std::int64_t left = base_x - image_->rect().x0, top = base_y - image_->rect().y0;
   const auto visible = image_->opaque_tiles().worth_asking() ? without_hidden(left, top, splats) : splats;
   const SplatRun run{visible.data(), visible.size() / sizeof(Splat), left, top};
   DrawCounts counts = stencil_ ? draw_with_stencil(buffer_, *stencil_, run, runs_.data())

@@ -32,7 +32,7 @@ class SplatSum {
   void begin(RegionImage& image);
   /// Adds whole splats; `splats` may have any alignment. (base_x, base_y): the pixel of the image plane from
   /// which their anchors count. Splats with a NaN or a coefficient that no footprint has count as clipped.
-  DrawCounts draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats);
+  DrawCounts draw(std::int64_t base_x, std::int64_t base_y, std::span<const std::byte> splats);
   /// Puts the slice behind the image: C += (1 − A) c, A += (1 − A) a, with a and c clamped to [0, 1] and [0,
   /// a]. Leaves the sum empty, and costs nothing when it is. `voxel`: where a voxel of the slice lies in the
   /// image plane, in pixels; the exact normalisation divides a and c by the lattice's sum there first.

@@ -44,6 +44,27 @@ std::uint64_t* filled_row(const VoxelRows& voxels, int y) {
   return voxels.filled + y * std::ptrdiff_t(voxels.row_words);
 }
 
+/// Finds the pixel blocks that the kernels of these rows can cover and that are not opaque yet. Each voxel
+/// has set the bits of the pixels from its anchor up to the next.
+void find_covered(const VoxelRows& voxels, const AlignedSlice& slice, const AnchorRows& rows,
+                  const std::uint64_t* opaque, std::uint64_t* covered) {
+  const int pixels_before = slice.reach_x - slice.first_column,
+            pixels_behind = slice.end_column - slice.reach_x - slice.step_x;
+  for (std::size_t word = 0; word < voxels.row_words; ++word) {
+    std::uint64_t before = 0, here = 0, behind = 0;
+    for (int y = rows.first; y < rows.end; y += rows.step) {
+      const std::uint64_t* filled = filled_row(voxels, y) + word;
+      before |= filled[-1];
+      here |= filled[0];
+      behind |= filled[1];
+    }
+    std::uint64_t bits = here;
+    for (int k = 1; k <= pixels_behind; ++k) bits |= here << k | before >> (64 - k);
+    for (int k = 1; k <= pixels_before; ++k) bits |= here >> k | behind << (64 - k);
+    covered[word] = whole_blocks(bits) & voxels.inside[word] & ~opaque[word];
+  }
+}
+
 /// Neighbouring pixel blocks of a row, and the voxels whose kernels cover them.
 struct BlockSums {
   const float* voxels;            ///< leftmost voxel for the first block, in the topmost row of anchors
@@ -77,36 +98,6 @@ BlockSums block_sums(const VoxelRows& voxels, const AlignedSlice& slice, const A
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
-
-using Words = hn::CappedTag<std::uint64_t, words_a_vector>;
-
-/// Finds the pixel blocks that the kernels of these rows can cover and that are not opaque yet. Each voxel
-/// has set the bits of the pixels from its anchor up to the next.
-void find_covered(const VoxelRows& voxels, const AlignedSlice& slice, const AnchorRows& rows,
-                  const std::uint64_t* opaque, std::uint64_t* covered) {
-  const Words d;
-  const int pixels_before = slice.reach_x - slice.first_column,
-            pixels_behind = slice.end_column - slice.reach_x - slice.step_x;
-  for (std::size_t word = 0; word < voxels.row_words; word += hn::Lanes(d)) {
-    auto before = hn::Zero(d), here = before, behind = before;
-    for (int y = rows.first; y < rows.end; y += rows.step) {
-      const std::uint64_t* filled = filled_row(voxels, y) + word;
-      before = hn::Or(before, hn::LoadU(d, filled - 1));
-      here = hn::Or(here, hn::LoadU(d, filled));
-      behind = hn::Or(behind, hn::LoadU(d, filled + 1));
-    }
-    auto bits = here;
-    for (int k = 1; k <= pixels_behind; ++k)
-      bits = hn::Or(bits, hn::Or(hn::ShiftLeftSame(here, k), hn::ShiftRightSame(before, 64 - k)));
-    for (int k = 1; k <= pixels_before; ++k)
-      bits = hn::Or(bits, hn::Or(hn::ShiftRightSame(here, k), hn::ShiftLeftSame(behind, 64 - k)));
-    bits = hn::Or(bits, hn::ShiftRight<1>(bits));
-    bits = hn::And(hn::Or(bits, hn::ShiftRight<2>(bits)), hn::Set(d, 0x1111111111111111));
-    bits = hn::Or(bits, hn::ShiftLeft<1>(bits));
-    bits = hn::And(hn::Or(bits, hn::ShiftLeft<2>(bits)), hn::LoadU(d, voxels.inside + word));
-    hn::StoreU(hn::AndNot(hn::LoadU(d, opaque + word), bits), d, covered + word);
-  }
-}
 
 constexpr int parts = block_floats / int(lanes);
 using BlockOfSums = FloatVector[parts];

@@ -1,29 +1,13 @@
 #pragma once
-#include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <variant>
 
 #include "raster/slice_buffer.hpp"
 #include "splat/aligned_slice.hpp"
 #include "splat/voxel_run.hpp"
 
 namespace ringsplat {
-
-/// A bit for each of the 64 places x, x + step, … that lies within [low, high]. A step is 1, 2 or 4.
-inline std::uint64_t places_within(std::int64_t x, int step, std::int64_t low, std::int64_t high) {
-  constexpr std::uint64_t all = ~std::uint64_t{0};
-  if (x >= low && x + 63 * step <= high) return all;
-  const int shift = std::countr_zero(unsigned(step));
-  const std::int64_t first = std::max<std::int64_t>((low - x + step - 1) >> shift, 0),
-                     last = std::min<std::int64_t>((high - x) >> shift, 63);
-  return first <= last ? all << first & all >> (63 - last) : 0;
-}
-
-/// Rows of bits, a bit for each pixel, are padded to a multiple of so many 64-bit words.
-inline constexpr std::size_t words_a_vector = 8;
 
 /// A region's voxels of one aligned slice. Each voxel's premultiplied colour is in the slice buffer at its
 /// anchor and in the pixels from there up to the next voxel's anchor. Rows of bits begin `left` pixels before
@@ -40,8 +24,6 @@ struct VoxelRows {
   int top = std::numeric_limits<int>::max(), bottom = std::numeric_limits<int>::min();
 };
 
-using AnyVoxelBlocks = std::variant<VoxelBlocks<FloatVoxel>, VoxelBlocks<HalfVoxel>, VoxelBlocks<ByteVoxel>>;
-
 struct DrawnBlocks {
   std::uint32_t blocks = 0;  ///< gone through
   DrawCounts counts;         ///< of their voxels: drawn are those with a weight above zero in the region
@@ -50,8 +32,8 @@ struct DrawnBlocks {
 /// Writes the voxels whose windows meet the region, as premultiplied RGBA in float32, and sets their pixels'
 /// bits. Colours and opacities, times opacity_weight, have the bits that SplatSum adds for a splat. A voxel
 /// whose opacity no footprint can give becomes 0. Stops after `most` voxels or the block in which they end.
-/// The bits are the same at every vector width.
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const AnyVoxelBlocks& blocks,
+template <class Voxel>
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<Voxel>& blocks,
                          std::uint64_t most);
 
 /// A region's composited pixels.

@@ -1,9 +1,8 @@
 #pragma once
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <glm/gtc/packing.hpp>
-#include <glm/packing.hpp>
 
 #include "splat/splat.hpp"
 
@@ -50,20 +49,20 @@ void pack(const float* rgba, std::size_t count, FloatVoxel* voxels);
 void pack(const float* rgba, std::size_t count, HalfVoxel* voxels);
 void pack(const float* rgba, std::size_t count, ByteVoxel* voxels);
 
-struct VoxelColour {
-  std::uint16_t red, green, blue;  ///< 65535 = 1
-  float opacity;
-};
 inline VoxelColour unpack(const FloatVoxel& in) {
   VoxelColour out{in.rgb[0], in.rgb[1], in.rgb[2], 0};
   std::memcpy(&out.opacity, in.opacity, sizeof out.opacity);
   return out;
 }
+/// A half within [0, 1]; others give some finite number.
+inline float from_half(std::uint16_t half) {
+  constexpr std::uint32_t smallest_normal = 1U << 10, bias = 127 - 15;
+  if (half < smallest_normal) return static_cast<float>(half) * 0x1p-24F;
+  return std::bit_cast<float>((std::uint32_t{half} << 13 & 0x0fffffff) + (bias << 23));
+}
 inline VoxelColour unpack(const HalfVoxel& in) {
-  std::uint64_t packed;
-  std::memcpy(&packed, in.rgba, sizeof packed);
-  const glm::vec4 rgba = glm::unpackHalf4x16(packed);
-  return {quantise_colour(rgba.r), quantise_colour(rgba.g), quantise_colour(rgba.b), rgba.a};
+  return {quantise_colour(from_half(in.rgba[0])), quantise_colour(from_half(in.rgba[1])),
+          quantise_colour(from_half(in.rgba[2])), from_half(in.rgba[3])};
 }
 inline VoxelColour unpack(const ByteVoxel& in) {
   const auto widen = [](std::uint8_t value) { return static_cast<std::uint16_t>(257 * value); };

@@ -15,14 +15,12 @@ VoxelSum::VoxelSum(AlignedFrame frame, RegionSize largest, SliceBufferMemory& me
   rows_.buffer = make_slice_buffer(margins, largest, memory_);
 
   const int inside = int(in_whole_blocks(largest.width)), behind = int(2 * reach.x) + 1 + largest_step;
-  const std::size_t needed = std::size_t(rows_.left + inside + behind) / 64 + 2;  // the last one is 0
-  const std::size_t words = (needed + words_a_vector - 1) / words_a_vector * words_a_vector;
-  // Vectors reach a word beyond the rows on both sides.
+  const std::size_t words = std::size_t(rows_.left + inside + behind) / 64 + 2;  // the last one is 0
   const std::size_t above = std::size_t(reach.y) + 1, anchors = above + std::size_t(largest.height + reach.y);
-  filled_.assign(anchors * words + 2 * words_a_vector, 0);
+  filled_.assign(1 + anchors * words + 1, 0);
   covered_.assign(words, 0);
   rows_.row_words = words;
-  rows_.filled = filled_.data() + words_a_vector + above * words;
+  rows_.filled = filled_.data() + 1 + above * words;
 }
 
 VoxelSum::~VoxelSum() {

@@ -26,7 +26,8 @@ class VoxelSum {
   void begin_slice(int slice);
   /// Takes voxels of the slice, in any order but each only once. Stops after `most` voxels or the block in
   /// which they end.
-  DrawnBlocks draw(const AnyVoxelBlocks& blocks, std::uint64_t most) {
+  template <class Voxel>
+  DrawnBlocks draw(const VoxelBlocks<Voxel>& blocks, std::uint64_t most) {
     rows_.x = slice_.anchor_x - image_->rect().x0;
     rows_.y = slice_.anchor_y - image_->rect().y0;
     const DrawnBlocks drawn = place_voxels(slice_, rows_, blocks, most);
@@ -44,7 +45,7 @@ class VoxelSum {
   SliceBufferMemory& memory_;
   RegionImage* image_ = nullptr;        ///< of the region begun
   VoxelRows rows_;                      ///< in the region's part of the buffer, and of:
-  std::vector<std::uint64_t> filled_;   ///< [rows of anchors][words], between vectors that are 0
+  std::vector<std::uint64_t> filled_;   ///< [rows of anchors][words], between words that are 0
   std::vector<std::uint64_t> inside_;   ///< [words]: the region's pixels, whole pixel blocks
   std::vector<std::uint64_t> covered_;  ///< [words]: of a row, while it is swept
   bool reached_ = false;                ///< a voxel of the slice has a weight above zero in the region

@@ -103,7 +103,6 @@ class RowBand {
   /// Regions with splats of the slice, in any order.
   std::span<const int> used_regions() const { return used_; }
   const RegionCounts& counts(int region) const { return counts_[std::size_t(region)]; }
-  virtual std::size_t part_bytes(int region) const = 0;
   /// Appends the region's parts of all `bands` of the slice to a Renderer's payload and empties them. All
   /// bands must be of this one's type.
   virtual void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) = 0;

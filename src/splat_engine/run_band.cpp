@@ -58,7 +58,11 @@ class RunBand final : public RowBand {
     if (touched.width() == 1 && touched.height() == 1 && hidden(region, window) == OpaqueTiles::Cover::none)
       return append_row(region, row);
     find_pieces(touched, all);
-    if (!pieces_.empty()) append_pieces(row);
+    if (pieces_.empty()) return;
+    const auto samples = make_samples();
+    packed_.resize(samples.size());
+    pack(&samples.front().r, samples.size(), packed_.data());
+    for (const Piece& piece : pieces_) append(piece, row);
   }
 
   /// Appends all the row's voxels to the region's part.
@@ -72,13 +76,6 @@ class RunBand final : public RowBand {
       part.blocks.push_back({std::uint32_t(row), block.first, block.mask});
       count(region, int(block.first), block.mask);
     }
-  }
-
-  void append_pieces(int row) {
-    const auto samples = make_samples();
-    packed_.resize(samples.size());
-    pack(&samples.front().r, samples.size(), packed_.data());
-    for (const Piece& piece : pieces_) append(piece, row);
   }
 
   void find_pieces(const PixelRect& touched, Columns all) {
@@ -153,11 +150,6 @@ class RunBand final : public RowBand {
       part.voxels.insert(part.voxels.end(), first, first + std::popcount(here));
       mask &= ~here;
     }
-  }
-
-  std::size_t part_bytes(int region) const override {
-    const Part& part = parts_[std::size_t(region)];
-    return sizeof(BlockGroup) + part.blocks.size() * sizeof(VoxelBlock) + part.voxels.size() * sizeof(Voxel);
   }
 
   void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) override {

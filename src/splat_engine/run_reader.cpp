@@ -25,15 +25,14 @@ namespace {
 
 /// Splits a payload of runs into parts, and steps through a part block by block or voxel by voxel.
 template <class Voxel>
-class RunCursor {
+class RunCursor : public PayloadReader {
  public:
-  /// `width`, `height`: the slice's size in voxels.
-  RunCursor(int width, int height) : width_(std::uint32_t(width)), height_(std::uint32_t(height)) {}
+  explicit RunCursor(const FrameGeometry& geometry)
+      : width_(std::uint32_t(geometry.grid.slice_width(geometry.traversal.axis))),
+        height_(std::uint32_t(geometry.grid.slice_height(geometry.traversal.axis))) {}
 
-  /// Throws RunError unless `body` is a payload of runs in such a slice, for regions in ascending order whose
-  /// `owned` is true.
   std::vector<PayloadPart> parts(std::span<const std::byte> body,
-                                 const std::function<bool(int)>& owned) const {
+                                 const std::function<bool(int)>& owned) const override {
     std::vector<PayloadPart> parts;
     for (std::size_t at = 0, begin = 0; at < body.size(); begin = at) {
       BlockGroup group;
@@ -47,7 +46,10 @@ class RunCursor {
     return parts;
   }
 
-  void begin(const PayloadPart& part) {
+  bool more() override { return block_.mask != 0 || blocks_left_ > 0; }
+
+ protected:
+  void begin_part(const PayloadPart& part) {
     body_ = part.bytes;
     at_ = 0;
     block_ = {};
@@ -56,7 +58,7 @@ class RunCursor {
     voxel_at_ = at_ + blocks_left_ * sizeof(VoxelBlock);
   }
 
-  /// Goes to the next block that has voxels left. Returns false at the part's end.
+  /// Goes to the next block when the last one has no voxels left. Returns false at the part's end.
   bool find() {
     if (block_.mask != 0) return true;
     if (blocks_left_ == 0) return false;
@@ -116,54 +118,39 @@ class RunCursor {
 
 /// Draws runs without placing each voxel: all voxels of a slice lie at whole-pixel steps.
 template <class Voxel>
-class AlignedReader final : public PayloadReader {
+class AlignedReader final : public RunCursor<Voxel> {
  public:
   AlignedReader(const SplatFrame& frame, const AlignedFrame& aligned, SumMemory memory)
-      : cursor_(frame.geometry.grid.slice_width(frame.geometry.traversal.axis),
-                frame.geometry.grid.slice_height(frame.geometry.traversal.axis)),
-        sum_(aligned, memory.largest, memory.memory) {}
-
-  std::vector<PayloadPart> parts(std::span<const std::byte> body,
-                                 const std::function<bool(int)>& owned) const override {
-    return cursor_.parts(body, owned);
-  }
+      : RunCursor<Voxel>(frame.geometry), sum_(aligned, memory.largest, memory.memory) {}
 
   void begin(int slice, const PayloadPart& part, RegionImage& image) override {
     sum_.begin(image);
     sum_.begin_slice(slice);
-    cursor_.begin(part);
+    this->begin_part(part);
   }
 
-  bool more() override { return cursor_.blocks_left().count > 0; }
-
   DrawCounts draw(std::uint32_t most) override {
-    const DrawnBlocks drawn = sum_.draw(cursor_.blocks_left(), most);
-    cursor_.skip_blocks(drawn.blocks, drawn.counts.drawn + drawn.counts.clipped);
+    const DrawnBlocks drawn = sum_.draw(this->blocks_left(), most);
+    this->skip_blocks(drawn.blocks, drawn.counts.drawn + drawn.counts.clipped);
     return drawn.counts;
   }
 
   std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
 
  private:
-  RunCursor<Voxel> cursor_;
   VoxelSum sum_;
 };
 
 /// Makes splats from runs: the same splats that the GP would make from the voxels.
 template <class Voxel>
-class RunReader final : public PayloadReader {
+class RunReader final : public RunCursor<Voxel> {
  public:
   RunReader(const SplatFrame& frame, const FrameKernel& kernel, SumMemory memory)
-      : sum_(kernel, memory.largest, memory.memory),
+      : RunCursor<Voxel>(frame.geometry),
+        sum_(kernel, memory.largest, memory.memory),
         geometry_(frame.geometry),
         footprint_(frame.footprint),
-        width_(std::uint32_t(geometry_.grid.slice_width(geometry_.traversal.axis))),
-        cursor_(int(width_), geometry_.grid.slice_height(geometry_.traversal.axis)),
-        dda_(geometry_.view, geometry_.traversal.axis, int(width_)) {}
-
-  std::vector<PayloadPart> parts(std::span<const std::byte> body,
-                                 const std::function<bool(int)>& owned) const override {
-    return cursor_.parts(body, owned);
+        dda_(geometry_.view, geometry_.traversal.axis, geometry_.grid.slice_width(geometry_.traversal.axis)) {
   }
 
   void begin(int slice, const PayloadPart& part, RegionImage& image) override {
@@ -173,21 +160,16 @@ class RunReader final : public PayloadReader {
     const KernelReach reach = kernel_reach(footprint_);
     corner_x_ = rect.x0 - reach.x - 1;
     corner_y_ = rect.y0 - reach.y - 1;
-    cursor_.begin(part);
+    this->begin_part(part);
   }
-
-  bool more() override { return cursor_.find(); }
 
   DrawCounts draw(std::uint32_t most) override {
     splats_.resize(most);
-    filled_ = off_screen_ = 0;
-    while (filled_ + off_screen_ < most && cursor_.find() && append_splat()) {
+    filled_ = 0;
+    while (filled_ < most && this->find() && append_splat()) {
     }
-    DrawCounts counts = sum_.draw(static_cast<std::int32_t>(corner_x_ + base_x_),
-                                  static_cast<std::int32_t>(corner_y_ + base_y_),
-                                  std::as_bytes(std::span(splats_).first(filled_)));
-    counts.clipped += off_screen_;
-    return counts;
+    return sum_.draw(corner_x_ + base_x_, corner_y_ + base_y_,
+                     std::as_bytes(std::span(splats_).first(filled_)));
   }
 
   std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
@@ -198,44 +180,25 @@ class RunReader final : public PayloadReader {
   /// Bases are 256 pixels apart; the first lies the kernels' reach before the region's corner, so regions of
   /// up to 250 pixels need only one.
   bool append_splat() {
-    if (std::exchange(row_, cursor_.row()) != cursor_.row()) dda_.begin_row(slice_, int(cursor_.row()));
-    const glm::dvec3 position = dda_.position(cursor_.column());
+    if (std::exchange(row_, this->row()) != this->row()) dda_.begin_row(slice_, int(this->row()));
+    const glm::dvec3 position = dda_.position(this->column());
     const Anchored at = anchor(position.x, position.y);
     const std::int64_t x = at.anchor_x - corner_x_, y = at.anchor_y - corner_y_;
-    if (is_far(x) || is_far(y)) {
-      ++off_screen_;
-      cursor_.skip_voxel();
-      return true;
-    }
     if (filled_ == 0) {
       base_x_ = x & ~255;
       base_y_ = y & ~255;
     } else if ((x & ~255) != base_x_ || (y & ~255) != base_y_) {
       return false;
     }
-    const VoxelColour colour = unpack(cursor_.voxel());
-    const Coefficients q = coefficients(footprint_, at.dx, at.dy);
-    splats_[filled_++] = {static_cast<float>(q.a),
-                          static_cast<float>(q.b),
-                          static_cast<float>(q.c),
-                          weighted_opacity(footprint_, colour.opacity),
-                          colour.red,
-                          colour.green,
-                          colour.blue,
-                          static_cast<std::uint8_t>(x & 255),
-                          static_cast<std::uint8_t>(y & 255)};
-    cursor_.skip_voxel();
+    splats_[filled_++] = make_splat(footprint_, at.dx, at.dy, unpack(this->voxel()),
+                                    static_cast<std::uint8_t>(x & 255), static_cast<std::uint8_t>(y & 255));
+    this->skip_voxel();
     return true;
   }
-
-  /// No kernel reaches so far.
-  static bool is_far(std::int64_t anchor) { return anchor > (1 << 30) || anchor < -(1 << 30); }
 
   SplatSum sum_;
   const FrameGeometry& geometry_;
   const Footprint& footprint_;
-  std::uint32_t width_;
-  RunCursor<Voxel> cursor_;
   SliceDda dda_;
   int slice_ = -1;                            ///< the DDA's slice
   std::int64_t corner_x_ = 0, corner_y_ = 0;  ///< origin of the bases
@@ -243,8 +206,7 @@ class RunReader final : public PayloadReader {
   std::uint32_t row_ = nothing;           ///< the DDA's row in the slice
   std::int64_t base_x_ = 0, base_y_ = 0;  ///< base of the splats, from the corner
   std::vector<Splat> splats_;
-  std::uint64_t filled_ = 0;      ///< how many of splats_ are filled
-  std::uint64_t off_screen_ = 0;  ///< voxels too far from the region to reach it
+  std::uint64_t filled_ = 0;  ///< how many of splats_ are filled
 };
 
 }  // namespace

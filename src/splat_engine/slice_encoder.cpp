@@ -33,7 +33,8 @@ class SliceEncoder final : public Encoder {
         threads_(threads),
         skip_empty_(skip_empty),
         timed_(timed),
-        renderers_(renderers) {
+        renderers_(renderers),
+        last_bytes_(std::size_t(renderers)) {
     check_loaded(store_, geometry().traversal.axis, announced_->number);
     if (announced_->shown.shading == Shading::phong && !store_.has_normals())
       throw RunError(fmt::format("frame {} is shaded, but no normals were loaded", announced_->number),
@@ -95,13 +96,11 @@ class SliceEncoder final : public Encoder {
       encoded.counts.visible += band->visible_voxels();
       encoded.counts.outside += band->voxels_outside();
     }
-    const std::vector<int> regions = used_regions();
-    const std::vector<std::size_t> sizes = payload_sizes(regions);
-    for (const int region : regions) {
+    for (const int region : used_regions()) {
       EncodedPart& part = encoded.parts[owner_of(region)];
       if (part.payload.empty()) {
         part.payload = Message::body_buffer();
-        part.payload.reserve(part.payload.size() + sizes[owner_of(region)]);
+        part.payload.reserve(last_bytes_[owner_of(region)]);
       }
       bands_.front()->append_parts(region, bands(), part.payload);
       const RegionCounts counts = counts_of(region);
@@ -109,6 +108,8 @@ class SliceEncoder final : public Encoder {
       for (const auto bits : counts.passes) part.passes += std::uint32_t(std::popcount(bits));
       part.tiles.push_back(region);
     }
+    for (std::size_t k = 0; k < last_bytes_.size(); ++k)
+      last_bytes_[k] = std::max(encoded.parts[k].payload.size(), last_bytes_[k] / 2);
     for (const auto& band : bands()) band->clear_counts();
     return encoded;
   }
@@ -169,13 +170,6 @@ class SliceEncoder final : public Encoder {
     return regions;
   }
 
-  std::vector<std::size_t> payload_sizes(std::span<const int> regions) const {
-    std::vector<std::size_t> sizes(std::size_t(renderers_), 0);
-    for (const int region : regions)
-      for (const auto& band : bands()) sizes[owner_of(region)] += band->part_bytes(region);
-    return sizes;
-  }
-
   /// Sum over bands; a pass with splats in several bands counts once.
   RegionCounts counts_of(int region) const {
     RegionCounts sum;
@@ -195,8 +189,9 @@ class SliceEncoder final : public Encoder {
   ThreadTeam& threads_;
   bool skip_empty_, timed_;
   int renderers_;
-  std::optional<EncoderFrame> frame_;  ///< made for the first slice: a GP may have none
-  std::uint64_t voxels_ = 0;           ///< of the slice
+  std::vector<std::size_t> last_bytes_;  ///< by Renderer: about as many as its last payload had
+  std::optional<EncoderFrame> frame_;    ///< made for the first slice: a GP may have none
+  std::uint64_t voxels_ = 0;             ///< of the slice
   std::vector<std::unique_ptr<RowBand>> bands_;
   std::size_t bands_in_use_ = 0;  ///< how many bands the slice uses, in the order of its rows
   std::vector<Piece> pieces_;     ///< by band in use

@@ -37,18 +37,10 @@ class WordBand final : public RowBand {
     const glm::dvec3 position = dda_.position(std::uint32_t(column));
     const Anchored at = anchor(position.x, position.y);
     const PixelWindow window = pixel_window(at, frame_.reach);
-    if (window.x0 >= inside_.x0 && window.x1 < inside_.x1 && window.y0 >= inside_.y0 &&
-        window.y1 < inside_.y1) {
-      put(inside_region_, at, window, column, sample);
-      return;
-    }
     const PixelRect touched = frame_.geometry.regions.touched(window.x0, window.y0, window.x1, window.y1);
     for (int y = touched.y0; y < touched.y1; ++y)
-      for (int x = touched.x0; x < touched.x1; ++x) {
-        inside_region_ = y * frame_.geometry.regions.columns() + x;
-        put(inside_region_, at, window, column, sample);
-      }
-    if (!touched.empty()) inside_ = rect(inside_region_);
+      for (int x = touched.x0; x < touched.x1; ++x)
+        put(y * frame_.geometry.regions.columns() + x, at, window, column, sample);
   }
 
   void put(int region, const Anchored& at, const PixelWindow& window, int column,
@@ -83,8 +75,6 @@ class WordBand final : public RowBand {
     append(part.bytes, part.head);
   }
 
-  std::size_t part_bytes(int region) const override { return parts_[std::size_t(region)].bytes.size(); }
-
   void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) override {
     std::size_t open = 0;  // offset of the region's last group; 0, where the header is: none
     for (const auto& band : bands) {
@@ -118,8 +108,6 @@ class WordBand final : public RowBand {
   }
 
   std::vector<WordPart> parts_;  ///< by region
-  PixelRect inside_{};           ///< the last splat's region: the next voxel's is mostly the same
-  int inside_region_ = 0;
 };
 
 }  // namespace
