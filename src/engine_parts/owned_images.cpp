@@ -7,10 +7,9 @@
 
 namespace ringsplat {
 
-bool OwnedImages::begin_frame(const FrameGeometry& g, double opaque_threshold) {
+void OwnedImages::begin_frame(const FrameGeometry& g, double opaque_threshold) {
   RegionOwners owners = g.owners(renderers_);
-  const bool changed = !(regions_ == g.regions && owners_ == owners);
-  if (changed) {
+  if (!(regions_ == g.regions && owners_ == owners)) {
     regions_ = g.regions;
     owners_ = std::move(owners);
     images_.clear();
@@ -23,7 +22,6 @@ bool OwnedImages::begin_frame(const FrameGeometry& g, double opaque_threshold) {
   }
   for (RegionImage& image : images_) image.begin_frame(static_cast<float>(opaque_threshold));
   told_.clear();
-  return changed;
 }
 
 void OwnedImages::news(int gp, Bytes& news) {

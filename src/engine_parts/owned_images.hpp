@@ -14,8 +14,8 @@ class OwnedImages {
  public:
   OwnedImages(int renderer, int renderers) : renderer_(renderer), renderers_(renderers) {}
 
-  /// Clears all images; their memory stays while the regions do. Returns whether the regions changed.
-  bool begin_frame(const FrameGeometry& geometry, double opaque_threshold);
+  /// Clears all images; their memory stays while the regions do.
+  void begin_frame(const FrameGeometry& geometry, double opaque_threshold);
 
   std::size_t count() const { return images_.size(); }
   RegionImage& image(std::size_t slot) { return images_[slot]; }

@@ -6,6 +6,7 @@
 #include <hwy/foreach_target.h>
 
 #include <new>
+#include <utility>
 
 #include "raster/pixel_vectors-inl.hpp"
 #include "raster/slice_buffer.hpp"
@@ -41,28 +42,15 @@ AlignedFloats allocate_floats(std::size_t count) {
   return floats;
 }
 
-float* SliceBufferMemory::reserve(std::size_t floats) {
-  if (floats > capacity_) {
-    discard();
-    floats_ = allocate_floats(floats);
-    std::fill_n(floats_.get(), floats, 0.0F);
-    capacity_ = floats;
-  }
-  return floats_.get();
-}
-
-void SliceBufferMemory::discard() {
-  floats_.reset();
-  capacity_ = 0;
-}
-
-SliceBuffer make_slice_buffer(const Margins& margins, RegionSize largest, SliceBufferMemory& memory) {
+SliceBuffer make_slice_buffer(const Margins& margins, RegionSize largest) {
   const std::ptrdiff_t left = in_whole_blocks(margins.left),
                        row = left + in_whole_blocks(largest.width + margins.right),
                        rows = margins.above + largest.height + margins.below;
-  float* floats = memory.reserve(std::size_t(rows * row * floats_a_pixel));
-  return {floats + (margins.above * row + left) * floats_a_pixel, row * floats_a_pixel, largest.width,
-          largest.height};
+  const auto floats = std::size_t(rows * row * floats_a_pixel);
+  AlignedFloats memory = allocate_floats(floats);
+  std::fill_n(memory.get(), floats, 0.0F);
+  float* origin = memory.get() + (margins.above * row + left) * floats_a_pixel;
+  return {origin, row * floats_a_pixel, largest.width, largest.height, std::move(memory)};
 }
 
 }  // namespace ringsplat

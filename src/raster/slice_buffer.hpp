@@ -41,10 +41,14 @@ struct PixelRun {
 ///
 /// A pixel's four floats lie together, so that a vector adds whole pixels: four planes of floats would take
 /// four read-modify-writes for every run of pixels instead of one.
+///
+/// A region is composited before the next one is drawn, so that all of a painter's regions use the same
+/// memory and it stays in the processor's cache.
 struct SliceBuffer {
   float* origin = nullptr;  ///< pixel (0, 0) of the region; 64-byte aligned, as is every row's first pixel
   std::ptrdiff_t row_floats = 0;  ///< floats from a row to the next
   int width = 0, height = 0;      ///< pixels of the region, without the margins
+  AlignedFloats memory;
   bool holds(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
 };
 
@@ -58,22 +62,8 @@ struct RegionSize {
   int width = 1, height = 1;
 };
 
-/// The memory of one slice buffer, kept from frame to frame. A region is composited before the next one is
-/// drawn, so that all of them use the same memory and it stays in the processor's cache.
-class SliceBufferMemory {
- public:
-  /// At least `floats` floats, all 0. Their user clears them after each slice, or calls discard().
-  float* reserve(std::size_t floats);
-  /// Frees memory that may not be 0.
-  void discard();
-
- private:
-  std::size_t capacity_ = 0;
-  AlignedFloats floats_;
-};
-
-/// A slice buffer for the largest region, in `memory`. Margins are widened to whole pixel blocks.
-SliceBuffer make_slice_buffer(const Margins& margins, RegionSize largest, SliceBufferMemory& memory);
+/// A slice buffer for the largest region, all 0. Margins are widened to whole pixel blocks.
+SliceBuffer make_slice_buffer(const Margins& margins, RegionSize largest);
 
 /// Composites `floats` floats of a slice's row behind the image's, and clears them in the slice. Pixels are
 /// premultiplied RGBA; C = fma(1 − A, c, C) and A = fma(1 − A, a, A) in float32, with a and c clamped to [0,

@@ -22,11 +22,7 @@ namespace ringsplat {
 /// processor, the region size or the other splats.
 class SplatSum {
  public:
-  /// `memory` must outlive the sum, and no other sum may use it meanwhile.
-  SplatSum(const FrameKernel& kernel, RegionSize largest, SliceBufferMemory& memory);
-  ~SplatSum();
-  SplatSum(const SplatSum&) = delete;
-  SplatSum& operator=(const SplatSum&) = delete;
+  SplatSum(const FrameKernel& kernel, RegionSize largest);
 
   /// Begins a slice of a region. `image` must outlive the slice; its frame has begun.
   void begin(RegionImage& image);
@@ -52,7 +48,6 @@ class SplatSum {
   /// Where was drawn; with a stencil columns of anchors, by their row from −reach_y − 1 on.
   std::vector<PixelRun> runs_;
   std::vector<PixelRun> written_;
-  SliceBufferMemory& memory_;
   SliceBuffer buffer_;
   RegionImage* image_ = nullptr;  ///< of the region begun
   bool empty_ = true;             ///< the slice buffer is 0

@@ -7,12 +7,11 @@
 
 namespace ringsplat {
 
-VoxelSum::VoxelSum(AlignedFrame frame, RegionSize largest, SliceBufferMemory& memory)
-    : frame_(std::move(frame)), memory_(memory) {
+VoxelSum::VoxelSum(AlignedFrame frame, RegionSize largest) : frame_(std::move(frame)) {
   const KernelReach reach = frame_.reach();
   const Margins margins = window_margins(reach);
   rows_.left = int(in_whole_blocks(margins.left));
-  rows_.buffer = make_slice_buffer(margins, largest, memory_);
+  rows_.buffer = make_slice_buffer(margins, largest);
 
   const int inside = int(in_whole_blocks(largest.width)), behind = int(2 * reach.x) + 1 + largest_step;
   const std::size_t words = std::size_t(rows_.left + inside + behind) / 64 + 2;  // the last one is 0
@@ -21,10 +20,6 @@ VoxelSum::VoxelSum(AlignedFrame frame, RegionSize largest, SliceBufferMemory& me
   covered_.assign(words, 0);
   rows_.row_words = words;
   rows_.filled = filled_.data() + 1 + above * words;
-}
-
-VoxelSum::~VoxelSum() {
-  if (rows_.top < rows_.bottom) memory_.discard();
 }
 
 void VoxelSum::begin(RegionImage& image) {
@@ -44,12 +39,6 @@ void VoxelSum::begin_slice(int slice) {
   if (std::exchange(slice_index_, slice) != slice) slice_ = frame_.slice(slice);
 }
 
-void VoxelSum::forget_rows() {
-  rows_.top = VoxelRows().top;
-  rows_.bottom = VoxelRows().bottom;
-  reached_ = false;
-}
-
 std::uint64_t VoxelSum::composite(glm::dvec2 voxel) {
   if (rows_.top >= rows_.bottom) return 0;
   std::uint64_t composited = 0;
@@ -67,7 +56,9 @@ std::uint64_t VoxelSum::composite(glm::dvec2 voxel) {
   } else {
     take_out(rows_, rows_.top, rows_.bottom);
   }
-  forget_rows();
+  rows_.top = VoxelRows().top;
+  rows_.bottom = VoxelRows().bottom;
+  reached_ = false;
   return composited;
 }
 

@@ -15,11 +15,7 @@ namespace ringsplat {
 /// as SplatSum of their splats, drawn row by row.
 class VoxelSum {
  public:
-  /// `memory` must outlive the sum, and no other sum may use it meanwhile.
-  VoxelSum(AlignedFrame frame, RegionSize largest, SliceBufferMemory& memory);
-  ~VoxelSum();
-  VoxelSum(const VoxelSum&) = delete;
-  VoxelSum& operator=(const VoxelSum&) = delete;
+  VoxelSum(AlignedFrame frame, RegionSize largest);
 
   void begin(RegionImage& image);  ///< as SplatSum's
   /// Goes to a slice, given by its index, before the first of its regions.
@@ -37,12 +33,9 @@ class VoxelSum {
   std::uint64_t composite(glm::dvec2 voxel);
 
  private:
-  void forget_rows();
-
   AlignedFrame frame_;
   AlignedSlice slice_;
   int slice_index_ = -1;
-  SliceBufferMemory& memory_;
   RegionImage* image_ = nullptr;        ///< of the region begun
   VoxelRows rows_;                      ///< in the region's part of the buffer, and of:
   std::vector<std::uint64_t> filled_;   ///< [rows of anchors][words], between words that are 0

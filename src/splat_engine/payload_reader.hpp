@@ -37,15 +37,14 @@ class PayloadReader {
   virtual std::uint64_t composite(glm::dvec2 voxel) = 0;
 };
 
-/// Memory for a reader's sum, and the largest region that it must hold.
-struct SumMemory {
-  SliceBufferMemory& memory;
-  RegionSize largest;
-};
+/// A reader for a frame's form and precision. The frame must outlive it.
+std::unique_ptr<PayloadReader> make_word_reader(const SplatFrame& frame, const FrameKernel& kernel);
+std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel);
 
-/// A reader for a frame's form and precision. The frame and the memory must outlive it.
-std::unique_ptr<PayloadReader> make_word_reader(const FrameKernel& kernel, SumMemory memory);
-std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel,
-                                               SumMemory memory);
+/// No region is larger: all but those at the image's edge are as large as the first.
+inline RegionSize largest_region(const SplatFrame& frame) {
+  const PixelRect first = frame.geometry.regions.rect(0);
+  return {first.width(), first.height()};
+}
 
 }  // namespace ringsplat

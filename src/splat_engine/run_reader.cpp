@@ -120,8 +120,8 @@ class RunCursor : public PayloadReader {
 template <class Voxel>
 class AlignedReader final : public RunCursor<Voxel> {
  public:
-  AlignedReader(const SplatFrame& frame, const AlignedFrame& aligned, SumMemory memory)
-      : RunCursor<Voxel>(frame.geometry), sum_(aligned, memory.largest, memory.memory) {}
+  AlignedReader(const SplatFrame& frame, const AlignedFrame& aligned)
+      : RunCursor<Voxel>(frame.geometry), sum_(aligned, largest_region(frame)) {}
 
   void begin(int slice, const PayloadPart& part, RegionImage& image) override {
     sum_.begin(image);
@@ -145,9 +145,9 @@ class AlignedReader final : public RunCursor<Voxel> {
 template <class Voxel>
 class RunReader final : public RunCursor<Voxel> {
  public:
-  RunReader(const SplatFrame& frame, const FrameKernel& kernel, SumMemory memory)
+  RunReader(const SplatFrame& frame, const FrameKernel& kernel)
       : RunCursor<Voxel>(frame.geometry),
-        sum_(kernel, memory.largest, memory.memory),
+        sum_(kernel, largest_region(frame)),
         geometry_(frame.geometry),
         footprint_(frame.footprint),
         dda_(geometry_.view, geometry_.traversal.axis, geometry_.grid.slice_width(geometry_.traversal.axis)) {
@@ -211,12 +211,10 @@ class RunReader final : public RunCursor<Voxel> {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel,
-                                               SumMemory memory) {
+std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel) {
   const auto aligned = AlignedFrame::of(kernel, frame.geometry.view, frame.geometry.traversal.axis);
-  if (aligned)
-    return make_for_voxels<PayloadReader, AlignedReader>(frame.splats.precision, frame, *aligned, memory);
-  return make_for_voxels<PayloadReader, RunReader>(frame.splats.precision, frame, kernel, memory);
+  if (aligned) return make_for_voxels<PayloadReader, AlignedReader>(frame.splats.precision, frame, *aligned);
+  return make_for_voxels<PayloadReader, RunReader>(frame.splats.precision, frame, kernel);
 }
 
 }  // namespace ringsplat

@@ -28,14 +28,14 @@ class SplatPainter final : public FramePainter<SplatFrame> {
         lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
-    // Readers refer to the last frame; their memory goes on to the next.
-    for (Lane& lane : lanes_) lane.reader.reset();
+    for (Lane& lane : lanes_) lane.reader.reset();  // they refer to the last frame
     frame_ = std::move(frame);
-    if (images_.begin_frame(geometry(), frame_->shown.opaque_threshold)) find_largest_region();
+    images_.begin_frame(geometry(), frame_->shown.opaque_threshold);
     const FrameKernel kernel = make_frame_kernel(frame_->footprint, geometry().view,
                                                  geometry().traversal.axis, frame_->splats.kernel);
     for (Lane& lane : lanes_) {
-      lane.reader = make_reader(kernel, {lane.memory, largest_region_});
+      lane.reader = frame_->splats.payload == PayloadForm::words ? make_word_reader(*frame_, kernel)
+                                                                 : make_run_reader(*frame_, kernel);
       lane.drawing = false;
     }
     counts_ = {};
@@ -97,10 +97,9 @@ class SplatPainter final : public FramePainter<SplatFrame> {
  private:
   /// What a thread draws with.
   struct alignas(64) Lane {
-    SliceBufferMemory memory;
-    std::unique_ptr<PayloadReader> reader;  ///< sums in the memory
-    bool drawing = false;                   ///< its part is not complete yet
-    ItemCounts counts;                      ///< counts and seconds since work() last collected them
+    std::unique_ptr<PayloadReader> reader;
+    bool drawing = false;  ///< its part is not complete yet
+    ItemCounts counts;     ///< counts and seconds since work() last collected them
     double busy = 0, compositing = 0;
   };
 
@@ -135,20 +134,6 @@ class SplatPainter final : public FramePainter<SplatFrame> {
 
   const FrameGeometry& geometry() const { return frame_->geometry; }
 
-  std::unique_ptr<PayloadReader> make_reader(const FrameKernel& kernel, SumMemory memory) const {
-    if (frame_->splats.payload == PayloadForm::words) return make_word_reader(kernel, memory);
-    return make_run_reader(*frame_, kernel, memory);
-  }
-
-  void find_largest_region() {
-    largest_region_ = {};
-    for (std::size_t k = 0; k < images_.count(); ++k) {
-      const PixelRect& rect = images_.image(k).rect();
-      largest_region_ = {std::max(largest_region_.width, rect.width()),
-                         std::max(largest_region_.height, rect.height())};
-    }
-  }
-
   /// Position of one of the slice's voxels in the image plane.
   glm::dvec2 voxel_of_slice() const {
     glm::dvec3 voxel(0.0);
@@ -159,7 +144,6 @@ class SplatPainter final : public FramePainter<SplatFrame> {
   int renderer_;
   std::shared_ptr<const SplatFrame> frame_;
   OwnedImages images_;
-  RegionSize largest_region_;  ///< the largest owned region's size
   ThreadTeam& threads_;
   std::vector<Lane> lanes_;  ///< one for each thread
   int lanes_in_use_ = 1;     ///< lanes that this payload uses

@@ -14,7 +14,7 @@ namespace {
 
 class WordReader final : public PayloadReader {
  public:
-  WordReader(const FrameKernel& kernel, SumMemory memory) : sum_(kernel, memory.largest, memory.memory) {}
+  WordReader(const SplatFrame& frame, const FrameKernel& kernel) : sum_(kernel, largest_region(frame)) {}
 
   std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                  const std::function<bool(int)>& owned) const override {
@@ -69,8 +69,8 @@ class WordReader final : public PayloadReader {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_word_reader(const FrameKernel& kernel, SumMemory memory) {
-  return std::make_unique<WordReader>(kernel, memory);
+std::unique_ptr<PayloadReader> make_word_reader(const SplatFrame& frame, const FrameKernel& kernel) {
+  return std::make_unique<WordReader>(frame, kernel);
 }
 
 }  // namespace ringsplat

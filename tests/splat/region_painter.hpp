@@ -25,7 +25,7 @@ class RegionPainter {
   void begin_frame(const FrameKernel& kernel, float opaque_threshold = 0) {
     image_.begin_frame(opaque_threshold);
     sum_.reset();
-    sum_.emplace(kernel, RegionSize{image_.rect().width(), image_.rect().height()}, *memory_);
+    sum_.emplace(kernel, RegionSize{image_.rect().width(), image_.rect().height()});
     sum_->begin(image_);
   }
   void begin_frame(const Footprint& footprint, float opaque_threshold = 0) {
@@ -41,7 +41,6 @@ class RegionPainter {
 
  private:
   RegionImage image_;
-  std::unique_ptr<SliceBufferMemory> memory_ = std::make_unique<SliceBufferMemory>();
   std::optional<SplatSum> sum_;
 };
 
