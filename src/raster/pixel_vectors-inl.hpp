@@ -58,15 +58,6 @@ class Spread {
   decltype(hn::SetTableIndices(Floats(), static_cast<const std::int32_t*>(nullptr))) indices_[4];
 };
 
-/// Premultiplied (red, green, blue, opacity). Reads two bytes beyond `rgb`'s three words.
-HWY_INLINE hn::Vec<FourFloats> premultiply(const std::uint16_t* rgb, float opacity) {
-  const FourFloats d;
-  const hn::Rebind<std::int32_t, FourFloats> d32;
-  const hn::Rebind<std::uint16_t, FourFloats> d16;
-  const auto straight = hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d16, rgb)));
-  const auto premultiplied = hn::Mul(straight, hn::Set(d, opacity * (1.0F / 65535.0F)));
-  return hn::IfThenElse(hn::Not(hn::FirstN(d, 3)), hn::Set(d, opacity), premultiplied);
-}
 HWY_INLINE void store_pixel(hn::Vec<FourFloats> colour, float* pixel) {
   hn::StoreU(colour, FourFloats(), pixel);
 }

@@ -31,10 +31,15 @@ HWY_INLINE bool is_plausible(const Splat& splat) {
   return hn::AllTrue(d, hn::Lt(hn::Abs(words), hn::Set(d, largest_coefficient)));
 }
 
-/// A splat's, once for each pixel of a vector.
+/// A splat's premultiplied colour, once for each pixel of a vector.
 HWY_INLINE Colour load_colour(const Splat& splat) {
+  const FourFloats d;
+  const hn::Rebind<std::int32_t, FourFloats> d32;
+  const hn::Rebind<std::uint16_t, FourFloats> d16;
+  const auto straight = hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d16, &splat.red)));
+  const auto premultiplied = hn::Mul(straight, hn::Set(d, splat.opacity * (1.0F / 65535.0F)));
   HWY_ALIGN float colour[4];
-  hn::Store(premultiply(&splat.red, splat.opacity), FourFloats(), colour);
+  hn::Store(hn::IfThenElse(hn::FirstN(d, 3), premultiplied, hn::Set(d, splat.opacity)), d, colour);
   return hn::LoadDup128(Floats(), colour);
 }
 
@@ -104,11 +109,6 @@ class StencilPainter {
   PixelRun* anchors_;
   Spread spread_;
 };
-
-DrawCounts DrawWithStencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
-                           PixelRun* anchors) {
-  return draw_each(run, StencilPainter(slice, stencil, anchors));
-}
 
 /// Half-open run of pixels, as offsets from the anchor.
 struct OffsetRun {
@@ -305,8 +305,9 @@ class RowPainter {
   Spread spread_;
 };
 
-DrawCounts DrawByRows(const SliceBuffer& slice, const FrameKernel& kernel, const SplatRun& run,
-                      PixelRun* written) {
+DrawCounts DrawSplats(const SliceBuffer& slice, const FrameKernel& kernel, const Stencil* stencil,
+                      const SplatRun& run, PixelRun* written) {
+  if (stencil != nullptr) return draw_each(run, StencilPainter(slice, *stencil, written));
   if (const auto* const fixed = std::get_if<FixedPointWeights>(&kernel.weights))
     return draw_each(run, RowPainter(slice, FixedPointRows(kernel.footprint, fixed->bits), written));
   if (const auto* const tabled = std::get_if<TabledWeights>(&kernel.weights))
@@ -320,17 +321,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ringsplat {
 
-HWY_EXPORT(DrawWithStencil);
-HWY_EXPORT(DrawByRows);
+HWY_EXPORT(DrawSplats);
 
-DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
-                             PixelRun* anchors) {
-  return HWY_DYNAMIC_DISPATCH(DrawWithStencil)(slice, stencil, run, anchors);
-}
-
-DrawCounts draw_by_rows(const SliceBuffer& slice, const FrameKernel& kernel, const SplatRun& run,
-                        PixelRun* written) {
-  return HWY_DYNAMIC_DISPATCH(DrawByRows)(slice, kernel, run, written);
+DrawCounts draw_splats(const SliceBuffer& slice, const FrameKernel& kernel, const Stencil* stencil,
+                       const SplatRun& run, PixelRun* written) {
+  return HWY_DYNAMIC_DISPATCH(DrawSplats)(slice, kernel, stencil, run, written);
 }
 
 namespace {

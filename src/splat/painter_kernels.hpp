@@ -45,11 +45,11 @@ struct SplatRun {
 ///   q = fma(a, dx, K) + fma(b, dy, c);  w = max(q, 0)²;  pixel = fma(w, (colour, opacity), pixel)
 /// with colour = float(u16) · (opacity · (1 / 65535)). Nothing is written outside the region but zeros.
 ///
-/// `anchors`: [height + 2 reach_y + 1], takes the columns of anchors, by their row from −reach_y − 1 on.
-DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
-                             PixelRun* anchors);
-
-/// The same for kernels of any size and weights of any kind, row by row within the region.
+/// With a stencil whole stencils are drawn. `written`: [height + 2 reach_y + 1], takes the columns of
+/// anchors, by their row from −reach_y − 1 on.
+///
+/// Without, for kernels of any size and weights of any kind, splats are drawn row by row within the region.
+/// `written`: [height], takes the pixels written in each row.
 ///
 /// Computed weights: K = −fma(u, u, v²) is computed on the way, with (u, v) = P (dx, dy), u = fma(P00, dx,
 /// u0) and v = fma(P10, dx, v0), where u0 and v0 are rounded once a row. A row is drawn where its quadratic,
@@ -63,9 +63,7 @@ DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, c
 /// of 2^−bits that is not above the true Q but for the coefficients' rounding, and 1 becomes 1 − 2^−bits. The
 /// squares of offsets within a region of 128 pixels need 14 guard bits: the rounded D, E and F then err by at
 /// most half of the result's last place. Q² is float32, and products are rounded before they are added.
-///
-/// `written`: [height], takes the pixels written in each row.
-DrawCounts draw_by_rows(const SliceBuffer& slice, const FrameKernel& kernel, const SplatRun& run,
-                        PixelRun* written);
+DrawCounts draw_splats(const SliceBuffer& slice, const FrameKernel& kernel, const Stencil* stencil,
+                       const SplatRun& run, PixelRun* written);
 
 }  // namespace ringsplat

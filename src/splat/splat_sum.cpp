@@ -27,8 +27,7 @@ DrawCounts SplatSum::draw(std::int64_t base_x, std::int64_t base_y, std::span<co
   const std::int64_t left = base_x - image_->rect().x0, top = base_y - image_->rect().y0;
   const auto visible = image_->opaque_tiles().worth_asking() ? without_hidden(left, top, splats) : splats;
   const SplatRun run{visible.data(), visible.size() / sizeof(Splat), left, top};
-  DrawCounts counts = stencil_ ? draw_with_stencil(buffer_, *stencil_, run, runs_.data())
-                               : draw_by_rows(buffer_, kernel_, run, runs_.data());
+  DrawCounts counts = draw_splats(buffer_, kernel_, stencil_ ? &*stencil_ : nullptr, run, runs_.data());
   counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);
   if (counts.drawn > 0) empty_ = false;
   return counts;

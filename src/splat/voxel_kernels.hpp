@@ -50,7 +50,7 @@ struct ImageRows {
 /// each voxel; composites the sums behind the image, except behind opaque pixel blocks; and takes the voxels
 /// out. `covered` is scratch for a row of bits. Returns how many pixels it went through.
 ///
-/// The image has the bits that draw_with_stencil, given the voxels row by row, and composite_row would make.
+/// The image has the bits that draw_splats, given the voxels row by row, and composite_row would make.
 std::uint64_t composite_voxels(const VoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
                                std::uint64_t* covered);
 

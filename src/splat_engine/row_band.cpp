@@ -72,7 +72,6 @@ bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages
   stages_ = stages;
   int visible = 0, voxels = 0;
   for (; row_ < end_ && visible < visible_at_most && voxels < voxels_at_most; ++row_) {
-    row_begun_ = false;
     row_offset_ = row_ % frame_.stride;
     find_row();
     visible += int(found_.visible);
@@ -81,13 +80,6 @@ bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages
   }
   visible_ += std::uint64_t(visible);
   return row_ >= end_;
-}
-
-void RowBand::begin_row() {
-  if (std::exchange(row_begun_, true)) return;
-  dda_.begin_row(slice_.index, row_);
-  x_.begin_row(dda_.row_start().x);
-  y_.begin_row(dda_.row_start().y);
 }
 
 void RowBand::find_row() {
@@ -106,7 +98,9 @@ void RowBand::find_row() {
 }
 
 Columns RowBand::in_view(Columns all) {
-  begin_row();
+  dda_.begin_row(slice_.index, row_);
+  x_.begin_row(dda_.row_start().x);
+  y_.begin_row(dda_.row_start().y);
   const Columns columns = reaching_x(0, frame_.geometry.width, all);
   return columns.empty() ? columns : reaching_y(0, frame_.geometry.height, columns);
 }

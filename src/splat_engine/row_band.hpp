@@ -110,10 +110,8 @@ class RowBand {
   void clear_counts();
 
  protected:
-  /// Puts the row's visible voxels (at least one) into their regions' parts. Call begin_row() before asking
-  /// for positions.
+  /// Puts the row's visible voxels (at least one) into their regions' parts.
   virtual void encode_row(int row) = 0;
-  void begin_row();
   /// Straight colours and corrected opacities of the row's visible voxels. encode_row() asks for them when
   /// any are sent.
   std::span<const ClassifiedSample> make_samples();
@@ -161,7 +159,7 @@ class RowBand {
  private:
   /// Finds the row's visible voxels that are in view, and counts the others.
   void find_row();
-  /// Columns of the row whose windows can meet the image.
+  /// Begins the row, and returns its columns whose windows can meet the image.
   Columns in_view(Columns all);
 
   VisibleVoxels* voxels_ = nullptr;   ///< of the slice
@@ -172,8 +170,7 @@ class RowBand {
   /// rounding.
   glm::dvec2 beyond_;
   int row_ = 0, end_ = 0;  ///< the next row, and one past the band's last
-  bool row_begun_ = false;
-  int row_offset_ = 0;  ///< within the stride
+  int row_offset_ = 0;     ///< within the stride
   std::uint64_t visible_ = 0, outside_ = 0;
   StageSeconds* stages_ = nullptr;
 };

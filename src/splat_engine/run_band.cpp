@@ -48,7 +48,6 @@ class RunBand final : public RowBand {
   };
 
   void encode_row(int row) override {
-    begin_row();
     const VisibleBlock &front = found_.blocks.front(), &back = found_.blocks.back();
     const Columns all{front.first + std::uint32_t(std::countr_zero(front.mask)),
                       back.first + std::uint32_t(std::bit_width(back.mask))};

@@ -80,14 +80,12 @@ class RunCursor : public PayloadReader {
   /// Row and column of the block's first voxel that is left.
   std::uint32_t row() const { return block_.row; }
   std::uint32_t column() const { return block_.first + std::uint32_t(std::countr_zero(block_.mask)); }
-  Voxel voxel() const {
+  Voxel take_voxel() {
     Voxel voxel;
     std::memcpy(&voxel, body_.data() + voxel_at_, sizeof voxel);
-    return voxel;
-  }
-  void skip_voxel() {
-    voxel_at_ += sizeof(Voxel);
+    voxel_at_ += sizeof voxel;
     block_.mask &= block_.mask - 1;
+    return voxel;
   }
 
  private:
@@ -190,9 +188,8 @@ class RunReader final : public RunCursor<Voxel> {
     } else if ((x & ~255) != base_x_ || (y & ~255) != base_y_) {
       return false;
     }
-    splats_[filled_++] = make_splat(footprint_, at.dx, at.dy, unpack(this->voxel()),
+    splats_[filled_++] = make_splat(footprint_, at.dx, at.dy, unpack(this->take_voxel()),
                                     static_cast<std::uint8_t>(x & 255), static_cast<std::uint8_t>(y & 255));
-    this->skip_voxel();
     return true;
   }
 

@@ -24,7 +24,6 @@ class WordBand final : public RowBand {
 
  private:
   void encode_row(int) override {
-    begin_row();
     auto sample = make_samples().begin();
     for (const VisibleBlock& block : found_.blocks)
       for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1)

@@ -24,7 +24,7 @@ struct KernelOptions {
   /// splat is drawn at the nearest of them, at most 1 / (2 phases) of a pixel away along each axis.
   int phases = 4;
   /// 0: Q is computed in float32. 2 to 16: in fixed point with so many bits of result; the Quadratic
-  /// Expression Evaluator of Pixel-Planes 5 had ten (section 4.1). draw_by_rows in src/splat says how.
+  /// Expression Evaluator of Pixel-Planes 5 had ten (section 4.1). draw_splats in src/splat says how.
   int qee_bits = 0;
   Normalisation normalisation = Normalisation::constant;
   bool operator==(const KernelOptions&) const = default;
