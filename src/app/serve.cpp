@@ -25,7 +25,6 @@
 #include "program/layouts.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/private_folder.hpp"
-#include "serve/setup.hpp"
 #include "serve/viewer.hpp"
 
 namespace ringsplat::app {

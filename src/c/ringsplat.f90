@@ -86,10 +86,6 @@ module ringsplat
       import
       type(c_ptr), value :: session
     end function
-    integer(c_size_t) function c_length(text) bind(C, name='strlen')
-      import
-      type(c_ptr), value :: text
-    end function
   end interface
 
 contains
@@ -163,10 +159,11 @@ contains
     character(:), allocatable :: text
     character(kind=c_char), pointer :: letters(:)
     integer :: k
-    call c_f_pointer(address, letters, [c_length(address)])
-    allocate (character(size(letters)) :: text)
-    do k = 1, size(letters)
-      text(k:k) = letters(k)
+    call c_f_pointer(address, letters, [huge(k)])
+    text = ''
+    do k = 1, huge(k) - 1
+      if (letters(k) == c_null_char) return
+      text = text // letters(k)
     end do
   end function
 

@@ -14,16 +14,12 @@
 #include "live/steering.hpp"
 #include "net/agree.hpp"
 #include "ringsplat/base/error.hpp"
-#include "serve/setup.hpp"
 #include "serve/viewer.hpp"
 
 namespace ringsplat {
 namespace {
 
-using live::Clock;
-using live::seconds_since;
-using live::Share;
-using live::Steering;
+using namespace live;
 using serve::RunState;
 using serve::SteerMessage;
 
@@ -229,7 +225,6 @@ struct Live::State {
 Live::Live(Session& session, const LiveOptions& options)
     : state_(std::make_unique<State>(session, options)) {}
 Live::~Live() = default;
-Live::Live(Live&&) noexcept = default;
 
 const std::string& Live::url() const { return state_->url; }
 

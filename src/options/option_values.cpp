@@ -378,23 +378,20 @@ std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string
       fmt::format("give an axis and a voxel from 0, or a distance: {0} x=40, {0} z=12.5mm", option));
 }
 
-VoxelBox clip_box(const ClipText& clip, const Grid& grid) {
+std::optional<VoxelBox> clip_box(const std::optional<ClipText>& clip, const Grid& grid) {
+  if (!clip) return std::nullopt;
   VoxelBox box = whole_box(grid);
   for (const Axis axis : all_axes) {
     const auto k = static_cast<int>(axis);
-    const Part& part = clip.parts[std::size_t(axis)];
-    if (part.first) box.first[k] = faces_to(*part.first, part, axis, clip, grid);
-    if (part.end) box.end[k] = faces_to(*part.end, part, axis, clip, grid);
+    const Part& part = clip->parts[std::size_t(axis)];
+    if (part.first) box.first[k] = faces_to(*part.first, part, axis, *clip, grid);
+    if (part.end) box.end[k] = faces_to(*part.end, part, axis, *clip, grid);
     if (part.slice) box.end[k] = box.first[k] + 1;
     if (box.first[k] >= box.end[k])
-      refuse(clip.option, axis, part, "has no voxel",
+      refuse(clip->option, axis, part, "has no voxel",
              part.distances ? "a voxel counts when its centre lies between" : "FIRST must be less than END");
   }
   return box;
-}
-
-std::optional<VoxelBox> clip_box(const std::optional<ClipText>& clip, const Grid& grid) {
-  return clip ? std::optional(clip_box(*clip, grid)) : std::nullopt;
 }
 
 }  // namespace ringsplat::app

@@ -116,10 +116,8 @@ ClipText parse_clip(const std::string& text, const std::string& option);
 /// One slice, "x=40" or "z=12.5mm", and the axis that it lies across. Throws InputError.
 std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string& option);
 
-/// The voxels that are meant. Throws InputError that names the part that has none or leaves the volume.
-VoxelBox clip_box(const ClipText& clip, const Grid& grid);
-
-/// The same of a text that may be missing.
+/// The voxels that are meant, where there is a text. Throws InputError that names the part that has none or
+/// leaves the volume.
 std::optional<VoxelBox> clip_box(const std::optional<ClipText>& clip, const Grid& grid);
 
 }  // namespace ringsplat::app

@@ -1,4 +1,4 @@
-#include "serve/setup.hpp"
+#include "serve/viewer.hpp"
 
 #include <algorithm>
 

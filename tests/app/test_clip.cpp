@@ -20,7 +20,9 @@ Grid lattice() {
   return grid;
 }
 
-VoxelBox box_of(const std::string& text) { return app::clip_box(app::parse_clip(text, "--clip"), lattice()); }
+VoxelBox box_of(const std::string& text) {
+  return app::clip_box(app::parse_clip(text, "--clip"), lattice()).value();
+}
 std::string refusal(const std::string& text) {
   return message_of([&] { static_cast<void>(box_of(text)); });
 }
@@ -55,7 +57,7 @@ TEST_CASE("with mm a clip box has the voxels whose centres lie between, part by 
   CHECK(box_of("0.2:1.3mm,:,:") == VoxelBox{{0, 0, 0}, {3, 80, 60}});
   Grid long_axes = lattice();
   long_axes.direction[0] = {2, 0, 0};
-  CHECK(app::clip_box(app::parse_clip("10:20mm,:,:", "--clip"), long_axes).end.x == 20);
+  CHECK(app::clip_box(app::parse_clip("10:20mm,:,:", "--clip"), long_axes)->end.x == 20);
 }
 
 TEST_CASE("the part of a clip box that is wrong is named, and what is possible") {

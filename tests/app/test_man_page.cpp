@@ -129,14 +129,11 @@ TEST_CASE("the manual page tells which options exclude and which need each other
                                      : "1 to 16. Needs --engine splats or --quality paper"));
   CHECK_THAT(render, Contains("light from everywhere. Not with --shading none."));
   CHECK_THAT(render, Contains("Pixels of the image.\n"));
-  CHECK_THAT(
-      render,
-      Contains(
-          "the viewer climbs: 90 looks straight down, -90 up. Not with --matrix, --eye, --view, --path.\n"));
-  CHECK_THAT(
-      info,
-      Contains("90 looks straight down, -90 up. Not with --matrix, --eye, --view, --path. Needs --ranks.\n"));
-  CHECK_THAT(info, Contains("not picked. Needs --undersample or --max-error. Needs --ranks."));
+  CHECK_THAT(render, Contains("the viewer climbs: 90 looks straight down, -90 up. Not with --matrix, --eye, "
+                              "--view, --path, --slice.\n"));
+  CHECK_THAT(info, Contains("90 looks straight down, -90 up. Not with --matrix, --eye, --view, --path, "
+                            "--slice. Needs --ranks.\n"));
+  CHECK_THAT(info, Contains("not picked. Needs --undersample. Needs --ranks."));
   CHECK_THAT(info, Contains("that --tf knows by name. Not with VOLUME, --gps, --ranks."));
 }
 

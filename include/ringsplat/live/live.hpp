@@ -50,7 +50,6 @@ class Live {
   explicit Live(Session& session, const LiveOptions& options = {});
   /// Tells pages that the simulation has ended. Not collective.
   ~Live();
-  Live(Live&&) noexcept;
 
   /// On rank 0 the page's address, with the token that lets in; elsewhere empty.
   const std::string& url() const;
