@@ -145,11 +145,13 @@ struct Live::State {
     return wanted.empty() ? Act::go_on : Act::draw;
   }
 
-  /// What pages want of the parameters.
-  std::vector<double> values_wanted() {
+  /// The next act and all parameters as pages want them; nothing while nobody looks.
+  Block decision() {
+    const Act act = decide();
+    if (!viewer->has_pages()) return {};
     std::vector<double> values;
     for (const Offered& one : offered) values.push_back(steering.wanted(one.name).value_or(*one.value));
-    return values;
+    return to_bytes(act, values);
   }
 
   /// Draws what pages want while they hold the simulation.
@@ -166,9 +168,10 @@ struct Live::State {
   // On all ranks.
 
   /// Rank 0's decision; takes its values of the parameters.
-  Act agree_on(Act act) {
-    const bool decides = session.rank() == 0;
-    const Block told_by_0 = all().broadcast(decides ? to_bytes(act, values_wanted()) : Block{}, 0);
+  Act agree_on_next() {
+    const Block told_by_0 = all().broadcast(viewer ? decision() : Block{}, 0);
+    if (told_by_0.empty()) return Act::go_on;
+    Act act = Act::go_on;
     std::vector<double> values;
     FromBytes archive(told_by_0);
     archive(act, values);
@@ -243,7 +246,7 @@ void Live::show(std::int64_t step, double time) {
   if (s.viewer) s.begin(step, time);
   bool committed = false;
   while (true) {
-    const Act act = s.agree_on(s.viewer ? s.decide() : Act::go_on);
+    const Act act = s.agree_on_next();
     if (act == Act::go_on) break;
     const Clock::time_point begin = Clock::now();
     if (!std::exchange(committed, true)) s.commit();

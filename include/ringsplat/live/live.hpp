@@ -55,7 +55,7 @@ class Live {
   const std::string& url() const;
 
   /// Lets pages change a number between `low` and `high`, from the next show() on; `value` must outlive this.
-  /// All ranks offer the same in the same order. Rank 0's value counts.
+  /// All ranks offer the same in the same order.
   void offer(const std::string& name, double& value, double low, double high);
 
   /// Shows the session's blocks as they are now: after a step, whose number and time the page tells. Returns
