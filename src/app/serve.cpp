@@ -84,15 +84,6 @@ std::vector<serve::Label> labels_of(const std::vector<double>& values, const std
   return labels;
 }
 
-/// The page's modes and their first functions. Labels have values of their own only.
-void set_modes(const MadeFunction& made, const TransferFunction& usual, const Scene& scene,
-               serve::ViewerOptions& v) {
-  made.set(v.initial.shown);
-  if (made.interpolation == Interpolation::nearest) return;
-  if (made.mode != Mode::surface) v.initial.shown.isovalue = parting_value(scene.values);
-  v.modes = serve::modes_for(usual, scene.values, scene.grid);
-}
-
 /// The channels, each with its own function in each mode, in white. That of the first was told.
 void add_channels(const Job& job, const Scene& scene, serve::ViewerOptions& v) {
   for (std::size_t k = 0; k < job.channels.size(); ++k) {
@@ -140,14 +131,13 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.frame = o.frame;
   v.initial.shown = o.frame.shown;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
-  set_modes(made, usual.function, scene, v);
+  made.set(v.initial.shown);
+  serve::set_modes(usual.function, scene.values, v);
   check(v.initial.shown.transfer_function, o.transfer_function);
   add_channels(job, scene, v);
   if (made.labels && job.channels.empty()) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
   v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));
   v.target_seconds = options.target_ms / 1e3;
-  v.largest_side = serve::largest_side();
-  v.ffmpeg = find_program("ffmpeg");
   v.server = {options.address, options.port, options.allowed_hosts, options.allowed_origins,
               options.allowed_frames};
   return v;

@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <mutex>
 #include <utility>
 
 #include "base/archive.hpp"
-#include "base/child_program.hpp"
 #include "classify/auto_preset.hpp"
 #include "classify/srgb.hpp"
 #include "frame/quality.hpp"
@@ -25,12 +23,6 @@ using serve::SteerMessage;
 
 /// What all ranks do next in show().
 enum class Act : std::uint8_t { go_on, draw, hold };
-
-struct Offered {
-  std::string name;
-  double* value;
-  double low, high;
-};
 
 FrameSpec first_frame(const LiveOptions& options, const ValueStatistics& values) {
   FrameSpec frame;
@@ -56,9 +48,7 @@ struct Live::State {
     agree_after(all(), [&] {
       if (!(options.share > 0 && options.share <= 1))
         throw InputError(fmt::format("the share {:g} is not in 0 ... 1", options.share), "0.05 is usual");
-      if (values.range.empty())
-        throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
-                         "check the blocks' values");
+      check_values(values);
       range = values.range;
       frame = first_frame(options, values);
       check_frame(frame, SessionParts::grid(session));
@@ -82,15 +72,10 @@ struct Live::State {
     v.volume = {options.name, grid, false, options.unit, false, {values.range}, values.histogram};
     v.frame = frame;
     v.initial.shown = frame.shown;
-    if (frame.shown.mode != Mode::surface) v.initial.shown.isovalue = parting_value(values);
     v.initial.background = linear_to_srgb(options.background);
-    if (frame.shown.interpolation == Interpolation::linear)
-      v.modes = serve::modes_for(frame.shown.mode == Mode::composite ? frame.shown.transfer_function
-                                                                     : choose_function(values).function,
-                                 values, grid);
+    const bool light = frame.shown.mode == Mode::composite;
+    serve::set_modes(light ? frame.shown.transfer_function : choose_function(values).function, values, v);
     v.target_seconds = options.target_seconds;
-    v.largest_side = serve::largest_side();
-    v.ffmpeg = find_program("ffmpeg");
     v.server = {options.address,         options.port,           options.allowed_hosts,
                 options.allowed_origins, options.allowed_frames, false};
     v.steer = [this](const SteerMessage& wanted) {
@@ -111,7 +96,7 @@ struct Live::State {
     const std::lock_guard lock(telling);
     if (!viewer) return;
     run.paused = steering.paused();
-    for (auto& parameter : run.parameters) parameter.value = steering.seen(parameter.name, parameter.value);
+    run.parameters = steering.parameters();
     viewer->tell(run_text(run));
   }
 
@@ -119,24 +104,26 @@ struct Live::State {
     constexpr double soon = 0.2;  // seconds, as often as people read
     share.came_back();
     ++steps;
-    const double passed = seconds_since(told);
+    see_parameters();
+    const double passed = now_seconds() - told;
     {
       const std::lock_guard lock(telling);
       run.step = step;
       run.time = time;
-      for (std::size_t k = 0; k < offered.size(); ++k) run.parameters[k].value = *offered[k].value;
       if (passed >= soon) run.steps_a_second = std::exchange(steps, 0) / passed;
     }
     if (passed < soon && !steering.paused()) return;
-    if (passed >= soon) told = Clock::now();
+    if (passed >= soon) told = now_seconds();
     tell();
   }
 
+  void see_parameters() {
+    std::vector<double> values;
+    for (const double* const one : offered) values.push_back(*one);
+    steering.see(values);
+  }
+
   Act decide() {
-    if (!viewer->has_pages()) {
-      steering.let_go();  // whoever paused it is gone
-      return Act::go_on;
-    }
     if (steering.holds()) return Act::hold;
     if (!share.allows_a_picture()) return Act::go_on;
     viewer->renewed(range, true);
@@ -147,11 +134,9 @@ struct Live::State {
 
   /// The next act and all parameters as pages want them; nothing while nobody looks.
   Block decision() {
-    const Act act = decide();
-    if (!viewer->has_pages()) return {};
-    std::vector<double> values;
-    for (const Offered& one : offered) values.push_back(steering.wanted(one.name).value_or(*one.value));
-    return to_bytes(act, values);
+    if (viewer->has_pages()) return to_bytes(decide(), steering.take_values());
+    steering.let_go();  // whoever paused it is gone
+    return {};
   }
 
   /// Draws what pages want while they hold the simulation.
@@ -180,7 +165,7 @@ struct Live::State {
           session, fmt::format("rank {} offers {} parameters, rank 0 {}; hint: all ranks offer the same",
                                session.rank(), offered.size(), values.size()));
     else
-      for (std::size_t k = 0; k < values.size(); ++k) *offered[k].value = values[k];
+      for (std::size_t k = 0; k < values.size(); ++k) *offered[k] = values[k];
     return act;
   }
 
@@ -204,13 +189,13 @@ struct Live::State {
     SessionParts::direct(session, serve::needed_for_levels(frame, SessionParts::grid(session)),
                          viewer ? held_frames() : Director{});
     steps = 0;
-    told = Clock::now();
+    told = now_seconds();
   }
 
   Session& session;
   FrameSpec frame;  ///< what all have in common, but for what is shown
   std::string url;
-  std::vector<Offered> offered;
+  std::vector<double*> offered;
   ValueRange range;  ///< of the volume that was committed last
 
   // Rank 0's.
@@ -221,7 +206,7 @@ struct Live::State {
   Director director = {};           ///< of the picture that is drawn next
   std::vector<VolumeFrame> wanted;  ///< its frames
   int steps = 0;                    ///< since the rate was told
-  Clock::time_point told = Clock::now();
+  double told = now_seconds();
   std::unique_ptr<serve::Viewer> viewer;  ///< last, as its thread uses what is above
 };
 
@@ -233,12 +218,8 @@ const std::string& Live::url() const { return state_->url; }
 
 void Live::offer(const std::string& name, double& value, double low, double high) {
   State& s = *state_;
-  s.offered.push_back({name, &value, low, high});
-  if (!s.viewer) return;
-  const RunState::Parameter parameter{name, value, low, high};
-  s.steering.offer(parameter);
-  const std::lock_guard lock(s.telling);
-  s.run.parameters.push_back(parameter);
+  s.offered.push_back(&value);
+  s.steering.offer({name, value, low, high});
 }
 
 void Live::show(std::int64_t step, double time) {
@@ -248,14 +229,14 @@ void Live::show(std::int64_t step, double time) {
   while (true) {
     const Act act = s.agree_on_next();
     if (act == Act::go_on) break;
-    const Clock::time_point begin = Clock::now();
+    const double begin = now_seconds();
     if (!std::exchange(committed, true)) s.commit();
     if (act == Act::hold) {
       s.hold();
       continue;
     }
     s.draw();
-    s.share.spent(seconds_since(begin));
+    s.share.spent(now_seconds() - begin);
     break;
   }
   s.steering.go_on();

@@ -2,29 +2,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
+#include "base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/viewer.hpp"
 
 namespace ringsplat::live {
 
-using Clock = std::chrono::steady_clock;
-
-inline double seconds_since(Clock::time_point then) {
-  return std::chrono::duration<double>(Clock::now() - then).count();
-}
-
 /// What the driver wants of the simulation. For any thread.
 class Steering {
  public:
+  /// Parameters are numbered in this order.
   void offer(const serve::RunState::Parameter& parameter) {
     const std::lock_guard lock(mutex_);
-    offered_.insert_or_assign(parameter.name, parameter);
+    offered_.push_back({parameter, {}});
   }
 
   /// Throws InputError, for the page.
@@ -54,48 +50,63 @@ class Steering {
     const std::lock_guard lock(mutex_);
     paused_ = false;
   }
-  /// The value that is wanted of a parameter, once.
-  std::optional<double> wanted(const std::string& parameter) {
+  /// What parameters are in the program now.
+  void see(const std::vector<double>& values) {
     const std::lock_guard lock(mutex_);
-    const auto wish = wishes_.extract(parameter);
-    return wish ? std::optional(wish.mapped()) : std::nullopt;
+    for (std::size_t k = 0; k < values.size(); ++k) offered_[k].parameter.value = values[k];
   }
-  /// A value that is wanted and not yet taken, or `now`.
-  double seen(const std::string& parameter, double now) const {
+  /// As they were seen last, or as they are wanted.
+  std::vector<serve::RunState::Parameter> parameters() const {
     const std::lock_guard lock(mutex_);
-    const auto wish = wishes_.find(parameter);
-    return wish == wishes_.end() ? now : wish->second;
+    std::vector<serve::RunState::Parameter> all;
+    for (const auto& [parameter, wish] : offered_) {
+      all.push_back(parameter);
+      all.back().value = wish.value_or(parameter.value);
+    }
+    return all;
+  }
+  /// Has them so: their values; nothing is wanted any more.
+  std::vector<double> take_values() {
+    const std::lock_guard lock(mutex_);
+    std::vector<double> values;
+    for (auto& [parameter, wish] : offered_)
+      values.push_back(parameter.value = std::exchange(wish, {}).value_or(parameter.value));
+    return values;
   }
 
  private:
+  struct Offered {
+    serve::RunState::Parameter parameter;
+    std::optional<double> wish;
+  };
+
   void set(const std::string& name, double value) {
-    const auto found = offered_.find(name);
+    const auto found = std::find_if(offered_.begin(), offered_.end(),
+                                    [&](const Offered& one) { return one.parameter.name == name; });
     if (found == offered_.end()) throw InputError(fmt::format("the simulation offers no {}", name));
-    const auto& [low, high] = std::pair(found->second.low, found->second.high);
-    if (!(value >= low && value <= high))
-      throw InputError(fmt::format("{} must be from {:g} to {:g}", name, low, high));
-    wishes_[name] = value;
+    const serve::RunState::Parameter& its = found->parameter;
+    if (!(value >= its.low && value <= its.high))
+      throw InputError(fmt::format("{} must be from {:g} to {:g}", name, its.low, its.high));
+    found->wish = value;
   }
 
   mutable std::mutex mutex_;
   bool paused_ = false;
   int steps_ = 0;  ///< that are wanted while it is paused
-  std::map<std::string, serve::RunState::Parameter> offered_;
-  std::map<std::string, double> wishes_;
+  std::vector<Offered> offered_;
 };
 
 /// Keeps what pictures take to a part of the simulation's own time.
 class Share {
  public:
   explicit Share(double part) : part_(part) {}
-  void came_back() { debt_ = std::max(0.0, debt_ - part_ * seconds_since(left_)); }
+  void came_back() { debt_ = std::max(0.0, debt_ - part_ * (now_seconds() - left_)); }
   bool allows_a_picture() const { return debt_ <= 0; }
   void spent(double seconds) { debt_ += seconds; }
-  void leave() { left_ = Clock::now(); }
+  void leave() { left_ = now_seconds(); }
 
  private:
-  double part_, debt_ = 0;
-  Clock::time_point left_ = Clock::now();
+  double part_, debt_ = 0, left_ = now_seconds();
 };
 
 }  // namespace ringsplat::live

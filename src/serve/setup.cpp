@@ -28,12 +28,14 @@ int largest_side() {
   return side;
 }
 
-std::vector<std::pair<Mode, TransferFunction>> modes_for(const TransferFunction& usual,
-                                                         const ValueStatistics& values, const Grid& grid) {
-  std::vector<std::pair<Mode, TransferFunction>> modes{{Mode::composite, usual}};
+void set_modes(const TransferFunction& usual, const ValueStatistics& values, ViewerOptions& options) {
+  Shown& shown = options.initial.shown;
+  if (shown.interpolation == Interpolation::nearest) return;
+  if (shown.mode != Mode::surface) shown.isovalue = parting_value(values);
+  options.modes.emplace_back(Mode::composite, usual);
   for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface})
-    modes.emplace_back(mode, choose_for_mode(mode, values, grid, std::nullopt).function);
-  return modes;
+    options.modes.emplace_back(mode,
+                               choose_for_mode(mode, values, options.volume.grid, std::nullopt).function);
 }
 
 }  // namespace ringsplat::serve

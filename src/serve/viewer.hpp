@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/child_program.hpp"
 #include "classify/adjust.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "serve/client_message.hpp"
@@ -47,6 +48,9 @@ struct ShownChannel {
   }
 };
 
+/// The side of the largest picture whose floats leave room for the rest of this machine's memory.
+int largest_side();
+
 struct ViewerOptions {
   std::string version;  ///< of the program
   std::string layout;   ///< "4 GPs + 2 Renderers, ring"
@@ -56,10 +60,10 @@ struct ViewerOptions {
   SceneState initial;
   std::vector<std::pair<Mode, TransferFunction>> modes;  ///< that can be chosen, each with its first function
   std::vector<ShownChannel> channels;                    ///< as many as `initial` has
-  FrameSpec frame;                              ///< what all frames have in common, but for what is shown
-  double target_seconds = 0.04;                 ///< for a picture of a view that moves
-  int largest_side = 4096;                      ///< of a picture
-  std::optional<std::filesystem::path> ffmpeg;  ///< makes movies
+  FrameSpec frame;                           ///< what all frames have in common, but for what is shown
+  double target_seconds = 0.04;              ///< for a picture of a view that moves
+  int largest_side = serve::largest_side();  ///< of a picture
+  std::optional<std::filesystem::path> ffmpeg = find_program("ffmpeg");  ///< makes movies
   ServerOptions server;
   /// Takes what the driver wants of the simulation, on the server's thread; throws InputError for the page.
   /// Empty: there is none.
@@ -115,12 +119,9 @@ std::unique_ptr<Viewer> make_viewer(ViewerOptions options);
 /// What all levels of all views of the frame need.
 LoadOptions needed_for_levels(const FrameSpec& frame, const Grid& grid);
 
-/// The side of the largest picture whose floats leave room for the rest of this machine's memory.
-int largest_side();
-
-/// The modes that a page offers for such values, each with its first function; `usual` is that of light.
-std::vector<std::pair<Mode, TransferFunction>> modes_for(const TransferFunction& usual,
-                                                         const ValueStatistics& values, const Grid& grid);
+/// Sets the modes that a page offers, each with its first function; `usual` is that of light. Where values
+/// between voxels mean nothing there is one mode only.
+void set_modes(const TransferFunction& usual, const ValueStatistics& values, ViewerOptions& options);
 
 /// What lies under a pixel.
 struct Probed {

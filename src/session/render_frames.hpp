@@ -124,6 +124,9 @@ LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid);
 /// Throws the InputError with which ranks would refuse to draw a frame of this volume. Costs no voxel.
 void check_frame(const FrameSpec& spec, const Grid& grid);
 
+/// Throws InputError when a session's blocks have nothing to show: no finite value.
+void check_values(const ValueStatistics& values);
+
 Sharing sharing_of(const Layout& layout, const Wiring& wiring);
 
 /// Throws InputError when the layout is none, or is for another number of ranks.

@@ -311,6 +311,12 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
   if (thrown) std::rethrow_exception(thrown);
 }
 
+void check_values(const ValueStatistics& values) {
+  if (values.range.empty())
+    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
+                     "check the blocks' values");
+}
+
 void SessionParts::direct(Session& session, const LoadOptions& needed, Director director) {
   const PlainFloats floats;
   Session::State& s = *session.state_;

@@ -39,9 +39,7 @@ std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
   const ValueStatistics& values = SessionParts::values(session_);
   Request wanted;
   agree_after(collectives_, [&] {
-    if (values.range.empty())
-      throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
-                       "check the blocks' values");
+    check_values(values);
     if (session_.rank() == 0) wanted = request(words, views, values);
   });
   const ValueRange range = values.range;
@@ -58,6 +56,7 @@ std::string BlockSession::serve(const std::vector<std::string>& words, LiveOptio
   offered_.clear();
   const ValueStatistics& values = SessionParts::values(session_, "serve");
   agree_after(collectives_, [&] {
+    check_values(values);
     const Request wanted = request(words, {}, values);
     options.frame = wanted.frames.front();
     options.unit = committed_notes_.unit;
