@@ -18,7 +18,8 @@ int steps(double half_width) {
   return static_cast<int>(std::clamp(std::ceil(steps_a_half_width / half_width), 4.0, 2048.0));
 }
 
-/// A position in a table of `size` steps a period: the step, and the rest in [0, 1].
+/// A position in a table of `size` steps a period: the step, and the rest in [0, 1]. Positions without
+/// such a rest (2⁶³ and beyond, or no number) are at an end of the table.
 struct Step {
   int index;
   float rest;
@@ -26,7 +27,8 @@ struct Step {
 Step step_of(double position, int size) {
   // Faster than std::floor.
   const auto truncated = static_cast<double>(static_cast<std::int64_t>(position));
-  const double at = (position - (truncated - double(truncated > position))) * size;
+  const double at =
+      std::min(std::max(0.0, (position - (truncated - double(truncated > position))) * size), double(size));
   const int step = std::min(static_cast<int>(at), size - 1);
   return {step, static_cast<float>(at - step)};
 }
