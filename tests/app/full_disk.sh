@@ -10,6 +10,8 @@ if [[ ${IN_OWN_MOUNTS:-} != yes ]]; then
   IN_OWN_MOUNTS=yes exec unshare -m "$0" "$@"
 fi
 mpiexec=$1 program=$2 volume=$3 scratch=$4
+# shellcheck source=tests/support/launcher.sh
+. "$(dirname "$0")/../support/launcher.sh"
 rm -rf "$scratch" && mkdir -p "$scratch/disk" "$scratch/whole"
 disk=$scratch/disk
 fail() {
@@ -33,14 +35,14 @@ fill() {
 
 # without_room FILE KIB COMMAND...: runs COMMAND, which writes FILE, with KIB KiB free.
 without_room() {
-  local file=$1 room=$2 code
+  local file=$1 room=$2
   shift 2
   find "$disk" -mindepth 1 -delete
   echo old >"$disk/$file"
   fill "$room"
-  "$@" >"$scratch/out" 2>"$scratch/log"
-  code=$?
-  ((code == 3)) || fail "$* ended with $code, not 3"
+  "$@" >"$scratch/out" 2>"$scratch/log" &
+  await_launcher $! "$scratch/log" 60 || fail "$* goes on after a minute"
+  ((code == 3 || code == -1)) || fail "$* ended with $code, not 3"
   (($(grep -c 'ringsplat.*error: .* cannot be written: ' "$scratch/log") == 1)) || fail "$* did not say what was wrong"
   [[ $(cat "$disk/$file") == old ]] || fail "$* did not leave $file alone"
   [[ -z $(find "$disk" -name '.*' -type f) ]] || fail "$* left a hidden file"

