@@ -27,37 +27,53 @@ struct ValueHull {
     low = std::min(low, value);
     high = std::max(high, value);
   }
+  bool visible(const TransferFunction& function) const {
+    return low <= high && function.visible_within(double(low), double(high));
+  }
 };
 
-/// By point, the values of all points of its block of a slice and of the block behind that.
-std::vector<ValueHull> hulls_of_blocks(const VolumeSketch& sketch, const ShownPoints::Blocks& blocks) {
+/// By point along an axis, the first one in its block.
+std::vector<int> firsts_of_blocks(const VolumeSketch& sketch, int along, double side) {
+  std::vector<int> firsts;
+  int last_block = -1;
+  for (int point = 0; point < sketch.points[along]; ++point) {
+    const int block = int(sketch.voxel(along, point) / side);
+    firsts.push_back(block == last_block ? firsts.back() : point);
+    last_block = block;
+  }
+  return firsts;
+}
+
+/// By point, whether something is visible of the values of all points of its block of a slice and of the
+/// block behind that.
+std::vector<bool> visible_by_block(const VolumeSketch& sketch, const ShownPoints::Blocks& blocks,
+                                   const TransferFunction& function) {
   const auto [u, v] = in_plane(blocks.across);
   const int k = static_cast<int>(blocks.across);
-  std::vector<ValueHull> hulls(sketch.values.size());
-  const auto first_of_block = [&](int along, int point) {
-    const auto block_of = [&](int of) { return int(sketch.voxel(along, of) / blocks.side); };
-    const int block = block_of(point);
-    while (point > 0 && block_of(point - 1) == block) --point;
-    return point;
-  };
-  glm::ivec3 at;
+  const std::vector<int> firsts_u = firsts_of_blocks(sketch, u, blocks.side),
+                         firsts_v = firsts_of_blocks(sketch, v, blocks.side);
+  const std::array<int, 3> steps{1, sketch.points.x, sketch.points.x * sketch.points.y};
   const auto for_each_point = [&](auto&& visit) {
-    for (at[k] = 0; at[k] < sketch.points[k]; ++at[k])
-      for (at[v] = 0; at[v] < sketch.points[v]; ++at[v])
-        for (at[u] = 0; at[u] < sketch.points[u]; ++at[u]) {
-          glm::ivec3 first = at;
-          first[u] = first_of_block(u, at[u]);
-          first[v] = first_of_block(v, at[v]);
-          visit(first);
-        }
+    for (int slice = 0; slice < sketch.points[k]; ++slice)
+      for (int y = 0; y < sketch.points[v]; ++y) {
+        const int row = slice * steps[k] + y * steps[v],
+                  first_row = slice * steps[k] + firsts_v[std::size_t(y)] * steps[v];
+        for (int x = 0; x < sketch.points[u]; ++x)
+          visit(slice, std::size_t(row + x * steps[u]),
+                std::size_t(first_row + firsts_u[std::size_t(x)] * steps[u]));
+      }
   };
   // Collected at a block's first point, then handed to all.
-  for_each_point([&](glm::ivec3 first) {
-    hulls[sketch.index(first)].add(sketch.values[sketch.index(at)]);
-    if (--first[k] >= 0) hulls[sketch.index(first)].add(sketch.values[sketch.index(at)]);
+  std::vector<ValueHull> hulls(sketch.values.size());
+  for_each_point([&](int slice, std::size_t at, std::size_t first) {
+    hulls[first].add(sketch.values[at]);
+    if (slice > 0) hulls[first - std::size_t(steps[k])].add(sketch.values[at]);
   });
-  for_each_point([&](const glm::ivec3& first) { hulls[sketch.index(at)] = hulls[sketch.index(first)]; });
-  return hulls;
+  std::vector<bool> visible(hulls.size());
+  for_each_point([&](int, std::size_t at, std::size_t first) {
+    visible[at] = first == at ? hulls[first].visible(function) : visible[first];
+  });
+  return visible;
 }
 
 }  // namespace
@@ -84,12 +100,12 @@ std::span<const std::uint32_t> ShownPoints::of(const VolumeSketch& sketch, const
   auto& kept = shown_[blocks ? static_cast<std::size_t>(blocks->across) : 0];
   if (kept) return *kept;
   std::vector<std::uint32_t>& shown = kept.emplace();
-  std::vector<ValueHull> hulls(sketch.values.size());
-  if (blocks) hulls = hulls_of_blocks(sketch, *blocks);
+  std::vector<bool> visible;
+  if (blocks) visible = visible_by_block(sketch, *blocks, function);
   for (std::size_t k = 0; k < sketch.values.size(); ++k) {
-    if (!blocks) hulls[k].add(sketch.values[k]);
-    const auto [low, high] = hulls[k];
-    if (low <= high && function.visible_within(double(low), double(high))) shown.push_back(std::uint32_t(k));
+    ValueHull one;
+    one.add(sketch.values[k]);
+    if (blocks ? visible[k] : one.visible(function)) shown.push_back(std::uint32_t(k));
   }
   return shown;
 }
