@@ -22,7 +22,9 @@ using serve::RunState;
 using serve::SteerMessage;
 
 /// What all ranks do next in show().
-enum class Act : std::uint8_t { go_on, draw, hold };
+enum class Act : std::uint8_t { go_on, draw, count_and_draw, hold };
+
+constexpr double soon = 0.2;  ///< seconds, as often as people read
 
 FrameSpec first_frame(const LiveOptions& options, const ValueStatistics& values) {
   FrameSpec frame;
@@ -101,7 +103,6 @@ struct Live::State {
   }
 
   void begin(std::int64_t step, double time) {
-    constexpr double soon = 0.2;  // seconds, as often as people read
     share.came_back();
     ++steps;
     see_parameters();
@@ -129,7 +130,8 @@ struct Live::State {
     viewer->renewed(range, true);
     director = viewer->director();
     wanted = director.next_picture();
-    return wanted.empty() ? Act::go_on : Act::draw;
+    if (wanted.empty()) return Act::go_on;
+    return now_seconds() - counted < soon ? Act::draw : Act::count_and_draw;
   }
 
   /// The next act and all parameters as pages want them; nothing while nobody looks.
@@ -169,8 +171,9 @@ struct Live::State {
     return act;
   }
 
-  void commit() {
-    session.commit();
+  /// What pages are told of the values.
+  void count() {
+    counted = now_seconds();
     const ValueStatistics& values = SessionParts::values(session, "show");
     range = values.range;
     const std::lock_guard lock(telling);
@@ -196,7 +199,7 @@ struct Live::State {
   FrameSpec frame;  ///< what all have in common, but for what is shown
   std::string url;
   std::vector<double*> offered;
-  ValueRange range;  ///< of the volume that was committed last
+  ValueRange range;  ///< of the volume that was counted last
 
   // Rank 0's.
   Share share;
@@ -206,7 +209,7 @@ struct Live::State {
   Director director = {};           ///< of the picture that is drawn next
   std::vector<VolumeFrame> wanted;  ///< its frames
   int steps = 0;                    ///< since the rate was told
-  double told = now_seconds();
+  double told = now_seconds(), counted = 0;
   std::unique_ptr<serve::Viewer> viewer;  ///< last, as its thread uses what is above
 };
 
@@ -230,7 +233,8 @@ void Live::show(std::int64_t step, double time) {
     const Act act = s.agree_on_next();
     if (act == Act::go_on) break;
     const double begin = now_seconds();
-    if (!std::exchange(committed, true)) s.commit();
+    if (!std::exchange(committed, true)) s.session.commit();
+    if (act != Act::draw) s.count();
     if (act == Act::hold) {
       s.hold();
       continue;
