@@ -73,7 +73,8 @@ class LevelController {
  public:
   explicit LevelController(double target_seconds) : target_(target_seconds) {}
 
-  /// By level, what the present view's pictures roughly cost. Call it first of all.
+  /// By level, what the present view's pictures roughly cost; infinite: not to be drawn. Call it first of
+  /// all.
   void expect(std::vector<double> rough_seconds) {
     rough_ = std::move(rough_seconds);
     own_.resize(rough_.size());
@@ -95,7 +96,7 @@ class LevelController {
   }
   /// For the next picture of a view that moves. It is left for a finer one only where that clearly fits.
   int level() {
-    int finest = 0;
+    int finest = int(std::min_element(rough_.begin(), rough_.end()) - rough_.begin());
     for (int k = 0; k < levels(); ++k) {
       if (expected(k) <= (k == level_ ? still_fits : clearly_fits) * target_) finest = k;
     }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <limits>
 #include <mutex>
 #include <utility>
 
@@ -285,7 +286,11 @@ class PageViewer final : public Viewer {
     std::vector<double> costs;
     for (const Level& level : levels_) {
       const Frames frames = frames_of(current_->message.scene, level, options_);
-      costs.push_back(double(frames.size()) * rough_seconds(frames.front().spec, options_.volume.grid.dims));
+      // To reduce a volume for a single picture takes longer than to draw it.
+      const double one = changes_ && level.undersample > 1
+                             ? std::numeric_limits<double>::infinity()
+                             : rough_seconds(frames.front().spec, options_.volume.grid.dims);
+      costs.push_back(double(frames.size()) * one);
     }
     controller_.expect(std::move(costs));
   }
@@ -318,8 +323,6 @@ class PageViewer final : public Viewer {
     if (!rendering_ || rendering_->frame != result.spec.frame) return;
     const Rendering rendering = *std::exchange(rendering_, std::nullopt);
     ++pictures_encoding_;
-    const double seconds = result.stats.seconds;
-    controller_.took(rendering.level, seconds);
     const ViewMessage& view = rendering.view.message;
     const int levels = int(levels_.size());
     // What is drawn at best while the view moves is sent with less quality, and once more when it rests.
@@ -335,9 +338,10 @@ class PageViewer final : public Viewer {
                      .level = std::uint8_t(rendering.level),
                      .levels = std::uint8_t(levels),
                      .at_rest = at_rest,
-                     .seconds = static_cast<float>(seconds),
+                     .seconds = static_cast<float>(result.stats.seconds),
                      .time = view.time};
-    post(picture_worker_, [this, picture, shown = rendering.view] { send_picture(*picture, shown); });
+    post(picture_worker_,
+         [this, picture, rendering, drawn = Clock::now()] { send_picture(*picture, rendering, drawn); });
   }
 
   bool unwanted(const FrameSpec& spec) {
@@ -363,7 +367,7 @@ class PageViewer final : public Viewer {
     return best;
   }
 
-  void send_picture(RenderedPicture& picture, const View& view) {
+  void send_picture(RenderedPicture& picture, const Rendering& rendering, Clock::time_point drawn) {
     std::string message;
     try {
       message = maker_.make(picture);
@@ -373,11 +377,14 @@ class PageViewer final : public Viewer {
     {
       const std::lock_guard lock(mutex_);
       --pictures_encoding_;
+      const View& view = rendering.view;
       if (!message.empty()) {
         shown_view_ = view.came;
         audience_.show({std::make_shared<const std::string>(std::move(message)), picture.head,
                         view.message.scene, view.scene});
       }
+      const std::chrono::duration<double> to_send = Clock::now() - drawn;
+      controller_.took(rendering.level, double(picture.head.seconds) + to_send.count());
       wake();
     }
     maker_.learn(picture);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -103,6 +104,16 @@ TEST_CASE("From the first picture on a view that moves gets the finest level tha
     for (int finer = level + 1; finer <= finest; ++finer)
       CHECK(machine.truly[std::size_t(finer)] > 0.89 * target);
   }
+}
+
+TEST_CASE("A level that must not be drawn is left out, also when no other fits") {
+  constexpr double never = std::numeric_limits<double>::infinity();
+  LevelController controller(target);
+  controller.expect({never, 3 * target, 2 * target, never, 0.5 * target});
+  controller.took(4, 0.5 * target);
+  CHECK(controller.level() == 4);
+  controller.expect({never, 3 * target, 2 * target, never, 4 * target});
+  CHECK(controller.level() == 2);
 }
 
 TEST_CASE("Whatever a machine's levels cost, drags use the target and keep to it") {
