@@ -7,6 +7,7 @@
 #include <tuple>
 #include <vector>
 
+#include "frame/frame_geometry.hpp"
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
@@ -54,33 +55,6 @@ void stand_at(Camera& camera, Side side, World world) {
   const glm::dvec2 angles[] = {{0, 0}, {180, 0}, {left, 0}, {-left, 0}, {0, 90}, {0, -90}};  // by side
   camera.azimuth = angles[static_cast<int>(side)].x;
   camera.elevation = angles[static_cast<int>(side)].y;
-}
-
-/// The world's axis that a direction is nearest to.
-int nearest_axis(const glm::dvec3& direction) {
-  const glm::dvec3 along = glm::abs(direction);
-  return along.x >= along.y && along.x >= along.z ? 0 : along.y >= along.z ? 1 : 2;
-}
-
-/// Stands straight before an axis' slices. Of a patient's the viewer sees axial ones from the feet and
-/// sagittal ones from the left, as radiologists do; of others the world's axes point to the right and up.
-/// They fill the picture, so that one of a slice's size has a pixel a voxel.
-void face_slices(Camera& camera, Axis axis, const Grid& grid, World world) {
-  const double side = world == World::patient ? -1 : 1;
-  const glm::dvec3 to_viewer[] = {{1, 0, 0}, {0, -1, 0}, {0, 0, side}},
-                   up[] = {{0, 0, 1}, {0, 0, 1}, {0, side, 0}};
-  const auto towards = [](const glm::dvec3& direction, const glm::dvec3& wished) {
-    return glm::dot(direction, wished) < 0 ? -direction : direction;
-  };
-  const glm::dvec3 normal = grid.direction[int(axis)], one = grid.direction[in_plane(axis).u],
-                   other = grid.direction[in_plane(axis).v];
-  const int across = nearest_axis(normal);
-  const bool other_is_up = std::abs(glm::dot(other, up[across])) > std::abs(glm::dot(one, up[across]));
-  const glm::dvec3 extent = grid.spacing * glm::dvec3(grid.dims - 1);
-  camera.target = grid.origin + grid.direction * (0.5 * extent);
-  camera.eye = *camera.target + glm::length(extent + grid.spacing) * towards(normal, to_viewer[across]);
-  camera.up = towards(other_is_up ? other : one, up[across]);
-  camera.zoom /= box_fill;
 }
 
 /// The lattice's extents along the world's axes; nothing when it lies askew.
@@ -362,9 +336,15 @@ void settle_fit(const OptionList& list, RenderOptions& o) {
 std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes) {
   Camera& camera = o.frame.shown.camera;
   if (o.side) stand_at(camera, *o.side, notes.world);
-  if (o.slice) face_slices(camera, *o.slice, grid, notes.world);
-  if (o.direction_chosen) return {};
   const bool patient = notes.world == World::patient;
+  if (o.slice) {
+    const Camera facing = facing_slices(lattice_frame(grid), *o.slice, patient);
+    camera.target = facing.target;
+    camera.eye = facing.eye;
+    camera.up = facing.up;
+    camera.zoom *= facing.zoom;
+  }
+  if (o.direction_chosen) return {};
   const auto extents = extents_in_world(grid);
   const auto side = notes.world == World::microscope ? std::nullopt : broad_side(extents, patient);
   if (!side) {

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <climits>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "frame/frame_geometry.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::serve {
@@ -128,12 +130,44 @@ json parsed(std::string_view text) {
   return j;
 }
 
+/// Has the scene show one slice of the whole volume and nothing else, opaque, from straight before it. `j`:
+/// axis and index.
+void show_slice(Shown& shown, const json& j, const MessageRules& rules) {
+  list_from(j, "slice", 2, 2);
+  const auto axis = static_cast<int>(number_from(j[0], "the slice's axis", 0, 2));
+  const auto index = static_cast<int>(number_from(j[1], "the slice", 0, rules.grid.dims[axis] - 1));
+  VoxelBox& box = shown.clip.emplace(whole_box(rules.grid));
+  box.first[axis] = index;
+  box.end[axis] = index + 1;
+  shown.camera = facing_slices(lattice_frame(rules.grid), Axis(axis), rules.patient);
+  shown.shading = Shading::none;
+  const bool labels = shown.interpolation == Interpolation::nearest;
+  shown.mode = labels ? Mode::composite : Mode::mip;
+  for (auto& point : shown.transfer_function.opacities) point.opacity = labels && point.opacity == 0 ? 0 : 1;
+}
+
 SceneState scene_of(const json& message, const MessageRules& rules) {
   SceneState scene = scene_from(message.value("state", json::object()), rules);
   const auto most = static_cast<std::uint32_t>(rules.largest_side);
   scene.shown.width = static_cast<int>(whole(message, "width", 1, most));
   scene.shown.height = static_cast<int>(whole(message, "height", 1, most));
+  if (message.contains("slice")) show_slice(scene.shown, message["slice"], rules);
   return scene;
+}
+
+ProbeMessage probe_from(const json& j, const MessageRules& rules) {
+  if (!j.contains("voxel"))
+    return {whole(j, "id"), std::floor(number(j, "x", 0, rules.largest_side)) + 0.5,
+            std::floor(number(j, "y", 0, rules.largest_side)) + 0.5};
+  const glm::dvec3 voxel = vector_from(j["voxel"], "voxel", 0, INT_MAX);
+  SceneState scene = scene_from(j.value("state", json::object()), rules);
+  scene.shown.width = scene.shown.height = 64;  // any
+  show_slice(scene.shown, {2, voxel.z}, rules);
+  // Interpolation rounds places in a cell down to 1/65536: that of a voxel must not be in the cell before.
+  constexpr double within = 0.5 / 65536;
+  const ViewTransform view = make_view(scene.shown.camera, lattice_frame(rules.grid), 64, 64);
+  const glm::dvec3 seen = view.project(voxel + within);
+  return {whole(j, "id"), seen.x, seen.y, scene};
 }
 
 ViewMessage view_from(const json& j, const MessageRules& rules) {
@@ -240,7 +274,8 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
   shown.shading = shading == "phong" ? Shading::phong : Shading::none;
   shown.light = vector_from(member(state, "light"), "light", -1e6, 1e6);
   shown.clip.reset();
-  if (const json clip = state.value("clip", json()); !clip.is_null()) shown.clip = box_from(clip, rules.dims);
+  if (const json clip = state.value("clip", json()); !clip.is_null())
+    shown.clip = box_from(clip, rules.grid.dims);
   scene.background = vector_from(member(state, "background"), "background", 0, 1);
   const std::size_t channels = scene.channels.size();
   const json& looks = list_from(member(state, "channels"), "channels", channels, channels);
@@ -254,9 +289,7 @@ ClientMessage parse_client_message(std::string_view text, const MessageRules& ru
   if (type == "view") return view_from(j, rules);
   if (type == "ack") return AckMessage{whole(j, "picture")};
   if (type == "drive") return DriveMessage{};
-  if (type == "probe")
-    return ProbeMessage{whole(j, "id"), number(j, "x", 0, rules.largest_side),
-                        number(j, "y", 0, rules.largest_side)};
+  if (type == "probe") return probe_from(j, rules);
   if (type == "map") return map_from(j);
   if (type == "snapshot") return snapshot_from(j, rules);
   if (type == "movie_frame") return movie_frame_from(j, rules);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/volume/grid.hpp"
 
 /// What pages send (docs/viewer.md has the formats).
 namespace ringsplat::serve {
@@ -50,7 +51,8 @@ struct AckMessage {
 struct DriveMessage {};
 struct ProbeMessage {
   std::uint32_t id = 0;
-  double x = 0, y = 0;  ///< pixels of the last view's picture
+  double x = 0, y = 0;                             ///< in pixels from the picture's corner
+  std::optional<SceneState> scene = std::nullopt;  ///< that it shows; none: the last view's
 };
 /// ParaView's colour map, to be used by the page.
 struct MapMessage {
@@ -93,8 +95,9 @@ using ClientMessage = std::variant<ViewMessage, AckMessage, DriveMessage, ProbeM
 /// What messages are read against.
 struct MessageRules {
   SceneState initial;  ///< has what a message's scene leaves out
-  glm::ivec3 dims{1};  ///< of the volume
-  int frames = 1;      ///< volumes of the series
+  Grid grid;           ///< of the volume
+  bool patient = false;
+  int frames = 1;  ///< volumes of the series
   int largest_side = 4096;
 };
 

@@ -15,14 +15,15 @@
 
 namespace ringsplat::serve {
 
-/// The camera whose picture of 1 x 1 pixel shows, along the same ray, what (x, y) of a picture of `camera`
-/// shows.
-inline Camera camera_of_pixel(const Camera& camera, int width, int height, double x, double y) {
+/// The camera whose picture of 1 x 1 pixel shows, along the same ray, what a picture of `camera` shows at (x,
+/// y), in pixels from its corner.
+inline Camera camera_of_pixel(const Camera& camera, const LatticeFrame& lattice, int width, int height,
+                              double x, double y) {
   const double side = std::min(width, height);
+  const auto scale = [&](int w, int h) { return make_view(camera, lattice, w, h).pixels_per_unit; };
   Camera pixel = camera;
-  pixel.zoom = camera.zoom * side;
-  pixel.pan = {0.5 * width + camera.pan[0] * side - (std::floor(x) + 0.5),
-               0.5 * height + camera.pan[1] * side - (std::floor(y) + 0.5)};
+  pixel.zoom = camera.zoom * scale(width, height) / scale(1, 1);
+  pixel.pan = {0.5 * width + camera.pan[0] * side - x, 0.5 * height + camera.pan[1] * side - y};
   return pixel;
 }
 
@@ -37,7 +38,7 @@ class Probe {
   Probe(const FrameSpec& full, const Grid& grid, double x, double y)
       : grid_(grid), next_(full), box_(full.shown.clip.value_or(whole_box(grid))) {
     Shown& shown = next_->shown;
-    shown.camera = camera_of_pixel(shown.camera, shown.width, shown.height, x, y);
+    shown.camera = camera_of_pixel(shown.camera, lattice_frame(grid), shown.width, shown.height, x, y);
     shown.width = shown.height = 1;
     shown.shading = Shading::none;
     if (looks_for_extremum() && shown.mode != Mode::minip) shown.mode = Mode::mip;
@@ -63,7 +64,6 @@ class Probe {
         high_opacity_ = reached(rgba);
         wanted_ = (looks_for_extremum() ? 0.999F : 0.5F) * high_opacity_;
         if (rgba[3] < least_opacity) return next_.reset();
-        if (looks_for_extremum()) answer_.value = value_of(rgba[0]);
         stage_ = Stage::place;
         break;
       case Stage::place: {
@@ -73,6 +73,9 @@ class Probe {
         (enough ? high_opacity_ : low_opacity_) = so_far;
         break;
       }
+      case Stage::extremum:
+        answer_.value = rgba[0];
+        return next_.reset();
       case Stage::value:
       case Stage::value_again:
         return read(rgba[0] / std::max(rgba[3], least_opacity));
@@ -85,7 +88,7 @@ class Probe {
   const Probed& answer() const { return answer_; }
 
  private:
-  enum class Stage { whole, place, value, value_again };
+  enum class Stage { whole, place, value, value_again, extremum };
   /// Less opaque a ray hits nothing.
   static constexpr float least_opacity = 1.0F / 32;
 
@@ -129,8 +132,12 @@ class Probe {
     answer_.hit = true;
     answer_.voxel = glm::clamp(meet(at), glm::dvec3(0.0), glm::dvec3(grid_.dims - 1));
     answer_.world = grid_.origin + grid_.direction * (grid_.spacing * answer_.voxel);
-    // An extremum is known since the first picture.
-    if (looks_for_extremum()) return next_.reset();
+    if (looks_for_extremum()) {
+      next_->shown.clip = box_;
+      next_->shown.values = true;
+      stage_ = Stage::extremum;
+      return;
+    }
     const int slice = ascending_ ? box_.first[axis_] + high_ - 1 : box_.end[axis_] - high_;
     next_->shown.clip = box_;
     next_->shown.clip->first[axis_] = slice;

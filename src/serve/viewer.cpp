@@ -30,7 +30,7 @@ class PageViewer final : public Viewer {
   explicit PageViewer(ViewerOptions options)
       : options_(std::move(options)),
         levels_(make_levels(options_.volume.grid.dims)),
-        rules_{options_.initial, options_.volume.grid.dims, int(options_.frames.size()),
+        rules_{options_.initial, options_.volume.grid, options_.volume.patient, int(options_.frames.size()),
                options_.largest_side},
         audience_({[this](ClientId client, std::string text) { server_.send_text(client, std::move(text)); },
                    [this](ClientId client, std::shared_ptr<const std::string> bytes) {
@@ -212,9 +212,10 @@ class PageViewer final : public Viewer {
 
   void handle(ClientId client, const ProbeMessage& asked) {
     const std::lock_guard lock(mutex_);
-    if (!last_put_ || asked.x >= last_put_->shown.width || asked.y >= last_put_->shown.height)
+    const std::optional<SceneState>& scene = asked.scene ? asked.scene : last_put_;
+    if (!scene || asked.x >= scene->shown.width || asked.y >= scene->shown.height)
       throw InputError("there is no such pixel in the last view");
-    requests_.add(client, asked, best_frames(*last_put_).front(), last_put_->frame);
+    requests_.add(client, asked, best_frames(*scene).front(), scene->frame);
   }
 
   void handle(ClientId client, const MapMessage& map) { server_.send_text(client, map_text(map)); }

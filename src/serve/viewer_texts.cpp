@@ -3,6 +3,7 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
+#include "frame/frame_geometry.hpp"
 #include "volume/value_statistics.hpp"
 
 namespace ringsplat::serve {
@@ -27,6 +28,24 @@ json labels_json(const std::vector<Label>& labels) {
   return all;
 }
 
+/// For each axis the lattice axes that point right and up in pictures of its slices: 1, 2 or 3, or where they
+/// point the other way −1, −2 or −3.
+json slices_json(const ShownVolume& volume) {
+  json all = json::array();
+  const LatticeFrame lattice = lattice_frame(volume.grid);
+  for (const Axis axis : all_axes) {
+    const ViewTransform view = make_view(facing_slices(lattice, axis, volume.patient), lattice, 1, 1);
+    const auto code = [&](int screen) {
+      const auto along = [&](int k) { return (screen == 0 ? 1 : -1) * view.linear[k][screen]; };
+      const int u = in_plane(axis).u, v = in_plane(axis).v;
+      const int k = std::abs(along(u)) > std::abs(along(v)) ? u : v;
+      return along(k) < 0 ? -(k + 1) : k + 1;
+    };
+    all.push_back({{"right", code(0)}, {"up", code(1)}});
+  }
+  return all;
+}
+
 json volume_json(const ShownVolume& volume) {
   json direction = json::array();
   for (int column = 0; column < 3; ++column)
@@ -40,6 +59,7 @@ json volume_json(const ShownVolume& volume) {
           {"patient", volume.patient},
           {"range", {volume.ranges.front().low, volume.ranges.front().high}},
           {"type", to_string(volume.grid.type)},
+          {"slices", slices_json(volume)},
           {"labels", labels_json(volume.labels)},
           {"histogram", histogram_json(volume.histogram)}};
 }

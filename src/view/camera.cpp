@@ -228,6 +228,30 @@ void check_representable(const ViewTransform& view) {
 
 }  // namespace
 
+int nearest_axis(const glm::dvec3& direction) {
+  const glm::dvec3 along = glm::abs(direction);
+  return along.x >= along.y && along.x >= along.z ? 0 : along.y >= along.z ? 1 : 2;
+}
+
+Camera facing_slices(const LatticeFrame& lattice, Axis axis, bool patient) {
+  const double side = patient ? -1 : 1;
+  const glm::dvec3 to_viewer[] = {{1, 0, 0}, {0, -1, 0}, {0, 0, side}},
+                   up[] = {{0, 0, 1}, {0, 0, 1}, {0, side, 0}};
+  const auto towards = [](const glm::dvec3& direction, const glm::dvec3& wished) {
+    return glm::dot(direction, wished) < 0 ? -direction : direction;
+  };
+  const glm::dvec3 normal = lattice.direction[int(axis)], one = lattice.direction[in_plane(axis).u],
+                   other = lattice.direction[in_plane(axis).v];
+  const int across = nearest_axis(normal);
+  const bool other_is_up = std::abs(glm::dot(other, up[across])) > std::abs(glm::dot(one, up[across]));
+  const glm::dvec3 extent = lattice.spacing * glm::dvec3(lattice.dims - 1);
+  Camera camera{.zoom = 1 / box_fill, .fit = Fit::box};
+  camera.target = lattice.origin + lattice.direction * (0.5 * extent);
+  camera.eye = *camera.target + glm::length(extent + lattice.spacing) * towards(normal, to_viewer[across]);
+  camera.up = towards(other_is_up ? other : one, up[across]);
+  return camera;
+}
+
 ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int width, int height) {
   if (width < 1 || height < 1)
     throw InputError(fmt::format("an image of {} x {} pixels cannot be drawn", width, height),

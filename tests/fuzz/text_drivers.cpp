@@ -155,7 +155,7 @@ serve::MessageRules message_rules() {
   serve::MessageRules rules;
   rules.initial.shown.transfer_function = {
       .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
-  rules.dims = small_volume().dims;
+  rules.grid.dims = small_volume().dims;
   return rules;
 }
 

@@ -94,6 +94,42 @@ class Controls(WithPage):
         self.page.keys(Keys.ARROW_UP, Keys.ARROW_UP)
         self.assertAlmostEqual(self.tf()["opacities"][0][1], 0.27)
 
+    def test_slices_lie_beside_the_volume_and_meet_in_one_voxel(self):
+        def at():
+            return self.page.facts("slices.at")
+
+        def await_value():
+            self.page.wait("ringsplat.slices.words.length > 0")
+            return self.page.js("return document.getElementById('probe-words').textContent")
+
+        wide = self.page.js("return document.getElementById('picture').clientWidth")
+        self.page.focus_picture()
+        self.page.keys("q")
+        self.page.wait("ringsplat.slices.drawn")
+        self.assertLess(self.page.js("return document.getElementById('picture').clientWidth"), 0.51 * wide)
+        dims = self.page.facts("hello.volume.dims")
+        self.assertEqual(at(), [count // 2 for count in dims])
+        panes = self.page.driver.find_elements("css selector", "#slices canvas")  # across z, y and x
+        ActionChains(self.page.driver).move_to_element_with_offset(panes[0], 40, 30).click().perform()
+        x, y, z = at()
+        self.assertEqual(z, dims[2] // 2)
+        self.assertNotIn(dims[0] // 2, (x,))
+        self.assertNotIn(dims[1] // 2, (y,))
+        self.assertIn(f"voxel {x}, {y}, {z}; value ", await_value())
+        self.page.js("arguments[0].focus()", panes[0])
+        self.page.keys(Keys.PAGE_UP, Keys.PAGE_UP, Keys.PAGE_DOWN)
+        self.assertEqual(at(), [x, y, z + 1])
+        self.page.js("arguments[0].dispatchEvent(new WheelEvent('wheel', { deltaY: 100, cancelable: true }))", panes[2])
+        self.assertEqual(at(), [x + 1, y, z + 1])
+        # A place of the volume that was asked for is where they meet.
+        ActionChains(self.page.driver).double_click(self.page.find("picture")).perform()
+        self.page.wait("ringsplat.probe !== null")
+        self.assertTrue(self.page.facts("probe.hit"))
+        self.assertEqual(at(), [round(v) for v in self.page.facts("probe.voxel")])
+        self.page.focus_picture()
+        self.page.keys("q")
+        self.assertEqual(self.page.js("return document.getElementById('picture').clientWidth"), wide)
+
     def test_the_right_button_sets_window_and_level(self):
         before = self.tf()["opacities"]
         self.page.drag(self.page.find("picture"), (0, 0), (120, 0), button=2)

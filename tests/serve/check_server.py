@@ -10,6 +10,7 @@ from channel_cases import SHOWN, channels, make_channels
 from movie_cases import fake_ffmpeg, movie_failures, movies, no_ffmpeg
 from series_cases import make_series, series, series_failures, series_quickly
 from server_case import expect, is_alive, start, told
+from slice_cases import slices
 
 
 def bad_messages(options, server):
@@ -382,7 +383,7 @@ CASES = {"page": (page,), "packed_page": (packed_page,), "strangers": (strangers
          "errors_have_numbers": (errors_have_numbers,), "returning": (returning,), "movies": (movies, "TMPDIR={scratch}"),
          "movie_failures": (movie_failures, "TMPDIR={scratch}", "PATH={scratch}/bin"),
          "series": (series, *SERIES), "series_quickly": (series_quickly, *SERIES),
-         "series_failures": (series_failures, *SERIES), "channels": (channels, "--channel", SHOWN),
+         "series_failures": (series_failures, *SERIES), "channels": (channels, "--channel", SHOWN), "slices": (slices,),
          "no_ffmpeg": (no_ffmpeg, "TMPDIR={scratch}", "PATH={scratch}/empty")}
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
 

@@ -14,7 +14,7 @@ MessageRules rules() {
   MessageRules r;
   r.initial.shown.transfer_function = {
       .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
-  r.dims = {10, 20, 30};
+  r.grid.dims = {10, 20, 30};
   r.frames = 4;
   return r;
 }

@@ -53,7 +53,7 @@ Probed probe(const FrameSpec& spec, double x, double y) {
   ValueRange range;
   const auto values = voxels();
   range.add(ScalarType::uint8, std::as_bytes(std::span(values)));
-  Probe all(spec, grid(), x, y);
+  Probe all(spec, grid(), std::floor(x) + 0.5, std::floor(y) + 0.5);
   all.know_range(range);
   while (const auto frame = all.next_frame()) {
     FrameSpec one = *frame;
@@ -66,11 +66,13 @@ Probed probe(const FrameSpec& spec, double x, double y) {
 }  // namespace
 
 TEST_CASE("The picture of one pixel is that pixel of the whole picture") {
+  const Fit fit = GENERATE(Fit::sphere, Fit::box);
   FrameSpec spec = view(30, 20);
+  spec.shown.camera.fit = fit;
   const Image whole = render(spec);
   for (const auto& [x, y] : {std::pair{60, 50}, {40, 42}, {71, 60}, {2, 3}}) {
     FrameSpec one = spec;
-    one.shown.camera = camera_of_pixel(spec.shown.camera, 120, 100, x, y);
+    one.shown.camera = camera_of_pixel(spec.shown.camera, lattice_frame(grid()), 120, 100, x + 0.5, y + 0.5);
     one.shown.width = one.shown.height = 1;
     const Image pixel = render(one);
     for (int c = 0; c < 4; ++c) CHECK(std::abs(pixel.rgba[std::size_t(c)] - whole.pixel(x, y)[c]) < 0.01F);

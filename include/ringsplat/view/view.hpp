@@ -62,6 +62,14 @@ struct Camera {
   bool operator==(const Camera&) const = default;
 };
 
+/// The world's axis that a direction is nearest to.
+int nearest_axis(const glm::dvec3& direction);
+
+/// Stands straight before an axis' slices. Of a patient's the viewer sees axial ones from the feet and
+/// sagittal ones from the left, as radiologists do; of others the world's axes point to the right and up.
+/// They fill the picture, so that one of a slice's size has a pixel a voxel.
+Camera facing_slices(const LatticeFrame& lattice, Axis axis, bool patient);
+
 /// Lattice to screen: (pixel x right, pixel y down, depth away from the viewer in pixels); pixel
 /// centres lie at integers + ½.
 struct ViewTransform {

@@ -20,6 +20,7 @@ import { Sender } from './sender.js';
 import { attachSettings, onSettings, settings } from './settings.js';
 import { SnapshotPanel } from './snapshot_panel.js';
 import { Stage } from './stage.js';
+import { Slices } from './slices.js';
 import { showDriver, showEnd, showError, showFacts, showLink, showVolume } from './status.js';
 import { TransferPanel } from './transfer_panel.js';
 import { ViewPanel } from './view_panel.js';
@@ -58,11 +59,13 @@ export class App {
     this.runs = new RunPanel(this);
     this.snapshots = new SnapshotPanel(this);
     this.probing = new Probe(this);
+    this.slices = new Slices(this);
     this.cube = new Cube((view) => this.lookFrom(view));
     this.gestures = new Gestures(this, byId('picture'));
     attachKeyboard(this);
     attachSettings();
     onSettings(() => this.redraw());
+    onSettings(() => this.slices.settingsChanged());
     byId('undo').addEventListener('click', () => this.undo(false));
     byId('redo').addEventListener('click', () => this.undo(true));
     byId('take-over').addEventListener('click', () => this.connection.send({ type: 'drive' }));
@@ -133,6 +136,7 @@ export class App {
     if (!resumes) this.film.restore();
     this.snapshots.begin(hello.largest);
     this.setDriver(hello.driver, hello.viewers);
+    this.slices.begin();
     this.refreshPanels();
   }
 
@@ -276,6 +280,7 @@ export class App {
     this.film.stop();
     this.series.stop();
     this.probing.hide();
+    this.probing.unmark();
   }
 
   // What shows it.
@@ -339,8 +344,10 @@ export class App {
     if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
     if (keys.has('clip')) this.clipPanel.refresh();
     if (keys.has('frame')) this.series.refresh();
-    const { state } = this.scene, { cross } = this.probing;
-    this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross });
+    this.slices.refresh(keys);
+    const { state } = this.scene, { cross, places } = this.probing;
+    this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross, places,
+                                slices: this.slices.boxes() });
     byId('cube').hidden = !settings.cube;
     if (settings.cube) this.cube.draw(this.scene.state.camera, this.volume.patient);
     this.clipPanel.place();

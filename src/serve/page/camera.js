@@ -4,8 +4,8 @@
 const degree = Math.PI / 180;
 export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const sum = (...terms) => [0, 1, 2].map((k) => terms.reduce((total, [s, v]) => total + s * v[k], 0));
-const length = (a) => Math.hypot(...a);
+export const sum = (...terms) => [0, 1, 2].map((k) => terms.reduce((total, [s, v]) => total + s * v[k], 0));
+export const length = (a) => Math.hypot(...a);
 
 /** The picture's directions in the world before it is rolled. */
 function uprightBasis(azimuth, elevation) {
@@ -85,6 +85,12 @@ export const sixViews = [
 /** World vectors from voxel to voxel along the lattice's axes. */
 const latticeAxes = (volume) =>
   [0, 1, 2].map((k) => volume.direction.slice(3 * k, 3 * k + 3).map((d) => d * volume.spacing[k]));
+
+/** A lattice place in the world, but for its origin. */
+export const inWorld = (volume, [x, y, z]) => {
+  const axes = latticeAxes(volume);
+  return sum([x, axes[0]], [y, axes[1]], [z, axes[2]]);
+};
 
 function boundingRadius(volume) {
   const axes = latticeAxes(volume), half = volume.dims.map((n) => n / 2);

@@ -21,6 +21,7 @@ window.ringsplat = Object.freeze({
   get letters() { return letters(app.scene.state.camera, app.volume.patient); },
   get scale() { return structuredClone(app.scale); },
   get probe() { return structuredClone(app.probing.result); },
+  get slices() { return { at: app.slices.at, words: app.slices.words, drawn: app.slices.drawn }; },
   get frame() { return app.series.seen; },
   get playing() { return app.series.playing; },
   get keyFrames() { return app.film.frames.length; },

@@ -7,12 +7,12 @@ import { colourAt } from './transfer_function.js';
 const margin = 16, foot = 10;
 
 /** Dark text on a light background and the other way. */
-function ink(background) {
+export function ink(background) {
   const light = 0.299 * background[0] + 0.587 * background[1] + 0.114 * background[2] > 0.55;
   return { text: light ? '#15171a' : '#f2f4f7', halo: light ? 'rgb(255 255 255 / .7)' : 'rgb(0 0 0 / .7)' };
 }
 
-function write(context, colours, text, x, y) {
+export function write(context, colours, text, x, y) {
   context.lineWidth = 3;
   context.lineJoin = 'round';
   context.strokeStyle = colours.halo;
@@ -21,7 +21,7 @@ function write(context, colours, text, x, y) {
   context.fillText(text, x, y);
 }
 
-function strokeTwice(context, colours) {
+export function strokeTwice(context, colours) {
   context.lineWidth = 4;
   context.strokeStyle = colours.halo;
   context.stroke();
@@ -93,13 +93,21 @@ function drawCross(context, colours, [x, y]) {
   strokeTwice(context, colours);
 }
 
-/** `seen`: pixelsPerUnit and project in CSS pixels of the stage. Returns the scale bar that was drawn. */
-export function drawOverlay({ state, volume, seen, cross }) {
+function drawRuler(context, colours, places) {
+  context.beginPath();
+  for (const [x, y] of places) context.lineTo(x, y);
+  strokeTwice(context, colours);
+  for (const [x, y] of places) context.fillRect(x - 3, y - 3, 6, 6);
+}
+
+/** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `places`: the ruler's. Returns the scale bar that was drawn. */
+export function drawOverlay({ state, volume, seen, cross, slices, places }) {
   const { context, width, height } = fitCanvas(byId('overlay'));
   const colours = ink(state.background);
   context.font = '12px system-ui, sans-serif';
   let bar = null;
   if (state.clip && settings.box) drawBox(context, colours, state.clip, (p) => seen.project(p).slice(0, 2));
+  for (const box of slices) drawBox(context, colours, box, (p) => seen.project(p).slice(0, 2));
   if (settings.scale) {
     // Round numbers have round inverses: this is the longest round length that fits.
     const length = 1 / niceStep(seen.pixelsPerUnit, clamp(width * 0.25, 60, 200));
@@ -108,6 +116,7 @@ export function drawOverlay({ state, volume, seen, cross }) {
   }
   if (settings.colours && !volume.labels.length && !state.channels.length)
     drawColourBar(context, colours, state.transfer_function, [volume.histogram.low, volume.histogram.high], height);
+  if (places.length > 1) drawRuler(context, colours, places.map((place) => seen.project(place)));
   if (cross) drawCross(context, colours, cross);
   return bar;
 }

@@ -1,5 +1,7 @@
-// The value under the cursor: a cross on the picture, a note beside it, and words for screen readers.
+// The value under the cursor: a cross on the picture, a note beside it, and words for screen readers. And a ruler: how
+// far the last places that were asked for lie from each other.
 
+import { dot, inWorld, length, sum } from './camera.js';
 import { byId, clamp, show } from './dom.js';
 import { showError } from './status.js';
 
@@ -9,6 +11,7 @@ export class Probe {
     this.cross = null;  // CSS pixels of the canvas
     this.asked = 0;
     this.result = null;
+    this.places = [];  // on the lattice, the last three
   }
 
   get canvas() {
@@ -32,11 +35,13 @@ export class Probe {
 
   show(answer) {
     this.result = answer;
+    if (answer.hit) this.app.slices.goTo(answer.voxel);
+    if (answer.hit) this.mark(answer.voxel);
     const unit = this.app.volume.unit ? ' ' + this.app.volume.unit : '';
     const { channels } = this.app.scene.state, of = this.app.channels.all[channels.findIndex(({ visible }) => visible)];
     const lines = answer.hit
       ? [`${of?.name ?? 'value'} ${show(answer.value, 6)}`, `voxel ${answer.voxel.map((v) => show(v, 5)).join(', ')}`,
-         `world ${answer.world.map((v) => show(v, 5)).join(', ')}${unit}`]
+         `world ${answer.world.map((v) => show(Number(v.toFixed(9)), 5)).join(', ')}${unit}`, ...this.measures()]
       : ['nothing opaque here'];
     byId('probe-words').textContent = lines.join('; ');
     byId('probe').textContent = lines.join('\n');
@@ -45,6 +50,28 @@ export class Probe {
     const left = Math.min(x + 14, this.canvas.clientWidth - offsetWidth - 4);
     const below = y + 14 + offsetHeight < this.canvas.clientHeight;
     byId('probe').style.transform = `translate(${left}px, ${below ? y + 14 : y - 14 - offsetHeight}px)`;
+  }
+
+  /** Another end of the ruler. */
+  mark(voxel) {
+    this.places = [...this.places.slice(-2), voxel];
+    this.app.redraw();
+  }
+  unmark() {
+    this.places = [];
+    this.app.redraw();
+  }
+
+  /** From the place before to the last one; and the angle at the middle of three. */
+  measures() {
+    const { volume } = this.app, world = this.places.map((place) => inWorld(volume, place));
+    const ways = world.slice(1).map((to, k) => sum([1, to], [-1, world[k]])), words = [];
+    if (ways.length) words.push(`${show(length(ways.at(-1)), 5)} ${volume.unit || 'units'} from the place before`);
+    if (ways.length > 1) {
+      const cosine = -dot(...ways) / (length(ways[0]) * length(ways[1]) || 1);
+      words.push(`angle at that ${show((180 / Math.PI) * Math.acos(clamp(cosine, -1, 1)), 4)}°`);
+    }
+    return words;
   }
 
   hide() {

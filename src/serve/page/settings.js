@@ -4,7 +4,7 @@ import { byId } from './dom.js';
 
 const key = 'ringsplat.settings';
 const defaults = { turning: 'trackball', theme: 'auto', logAxis: true, cube: true, scale: true, colours: true,
-                   box: true, folded: null };
+                   box: true, slices: false, folded: null };
 
 function stored() {
   try {
@@ -33,7 +33,7 @@ export function set(part) {
 }
 
 const boxes = { 'show-cube': 'cube', 'show-scale': 'scale', 'show-colours': 'colours', 'show-box': 'box',
-                'log-axis': 'logAxis' };
+                'show-slices': 'slices', 'log-axis': 'logAxis' };
 
 /** Ties the page's fields to the settings. */
 export function attachSettings() {

@@ -1,0 +1,207 @@
+// Three slices beside the volume, one across each axis of its lattice, and the voxel where they meet: each slice shows
+// where the others lie, and has the window and colours of the transfer function.
+
+import { byId, clamp, cssColour, element, fitCanvas, onDrag, onKeys, onceAFrame, show } from './dom.js';
+import { ink, strokeTwice, write } from './overlay.js';
+import { set, settings } from './settings.js';
+import { showError } from './status.js';
+
+const names = ['x', 'y', 'z'], shownBy = ['transfer_function', 'channels', 'mode', 'frame', 'background'];
+const restBegins = 150;  // milliseconds without a move, until the value is asked for
+
+/** The slice across one axis: its picture, asked for anew when it is out of date, and its gestures. */
+class Pane {
+  constructor(slices, axis) {
+    this.slices = slices;
+    this.axis = axis;
+    const keys = 'Arrow keys move the point, page up and page down the slice, Enter puts an end of the ruler there.';
+    this.canvas = element('canvas', { tabindex: 0, role: 'application', 'aria-label': `Slice across ${names[axis]}. ${keys}` });
+    this.draw = onceAFrame(() => this.drawNow());
+    new ResizeObserver(() => this.ask()).observe(this.canvas);
+    const { app } = slices, move = (event) => this.point(event.offsetX, event.offsetY);
+    onDrag(app, this.canvas, { begin: move, move });
+    this.canvas.addEventListener('wheel', (event) => {
+      event.preventDefault();
+      slices.step(axis, Math.sign(event.deltaY));
+    }, { passive: false });
+    this.canvas.addEventListener('dblclick', () => slices.mark());
+    const along = (which, way) => () => slices.step(Math.abs(this.lies[which]) - 1, way * Math.sign(this.lies[which]));
+    onKeys(app, this.canvas, {
+      ArrowRight: along('right', 1), ArrowLeft: along('right', -1), ArrowUp: along('up', 1), ArrowDown: along('up', -1),
+      PageUp: () => slices.step(axis, 1), PageDown: () => slices.step(axis, -1), Enter: () => slices.mark() });
+  }
+
+  /** The lattice axes that point right and up, 1 to 3, negative where they point the other way. */
+  get lies() {
+    return this.slices.volume.slices[this.axis];
+  }
+
+  /** Where the slice lies on the canvas, in CSS pixels. */
+  place() {
+    const { volume } = this.slices, { clientWidth, clientHeight } = this.canvas;
+    const extent = (code) => volume.dims[Math.abs(code) - 1] * volume.spacing[Math.abs(code) - 1];
+    const [across, high] = [extent(this.lies.right), extent(this.lies.up)];
+    const scale = Math.min(clientWidth / across, clientHeight / high), [width, height] = [across * scale, high * scale];
+    return { left: 0.5 * (clientWidth - width), top: 0.5 * (clientHeight - height), width, height };
+  }
+
+  /** How far right or down a voxel's middle lies, as a part of the slice. */
+  part(code, down) {
+    const k = Math.abs(code) - 1, part = (this.slices.at[k] + 0.5) / this.slices.volume.dims[k];
+    return (code < 0) !== down ? 1 - part : part;
+  }
+
+  point(x, y) {
+    const { left, top, width, height } = this.place(), { lies } = this, { volume } = this.slices;
+    const at = [...this.slices.at];
+    for (const [code, part] of [[lies.right, (x - left) / width], [lies.up, 1 - (y - top) / height]]) {
+      const k = Math.abs(code) - 1, count = volume.dims[k];
+      at[k] = clamp(Math.floor((code < 0 ? 1 - part : part) * count), 0, count - 1);
+    }
+    this.slices.goTo(at);
+  }
+
+  /** What the server is asked for: this slice as it is, in the canvas's pixels. */
+  question() {
+    const { width, height } = this.place(), ratio = window.devicePixelRatio || 1, most = this.slices.app.hello.largest;
+    const [columns, rows] = [width, height].map((side, k) => clamp(Math.round(side * ratio), 1, most[k]));
+    return { width: columns, height: rows, state: this.slices.state(), slice: [this.axis, this.slices.at[this.axis]] };
+  }
+
+  async ask() {
+    if (!this.slices.shown || this.canvas.clientWidth < 2) return;
+    this.stale = this.asks;
+    if (this.asks) return;
+    this.asks = true;
+    try {
+      const { blob } = await this.slices.app.connection.ask({ type: 'snapshot', format: 'png', ...this.question() });
+      this.bitmap = await createImageBitmap(blob, { colorSpaceConversion: 'none' });
+    } catch (error) {
+      showError(`The slice could not be drawn: ${error.message}`);
+    }
+    this.asks = false;
+    this.draw();
+    if (this.stale) this.ask();
+  }
+
+  drawNow() {
+    const { context, width, height } = fitCanvas(this.canvas), { at, app, words } = this.slices;
+    const { background } = app.scene.state, place = this.place(), colours = ink(background);
+    context.fillStyle = cssColour(background);
+    context.fillRect(0, 0, width, height);
+    context.imageSmoothingEnabled = false;
+    if (this.bitmap) context.drawImage(this.bitmap, place.left, place.top, place.width, place.height);
+    const x = place.left + place.width * this.part(this.lies.right, false);
+    const y = place.top + place.height * this.part(this.lies.up, true), gap = 6;
+    context.beginPath();
+    for (const [from, to] of [[[place.left, y], [x - gap, y]], [[x + gap, y], [place.left + place.width, y]],
+                              [[x, place.top], [x, y - gap]], [[x, y + gap], [x, place.top + place.height]]]) {
+      context.moveTo(...from);
+      context.lineTo(...to);
+    }
+    context.globalAlpha = 0.6;
+    strokeTwice(context, colours);
+    context.globalAlpha = 1;
+    context.font = '12px system-ui, sans-serif';
+    const told = [`${names[this.axis]} ${at[this.axis]}`, ...(this.axis === 2 ? words : [])];
+    told.forEach((line, k) => write(context, colours, line, 10, 20 + 16 * k));
+  }
+}
+
+export class Slices {
+  constructor(app) {
+    this.app = app;
+    this.at = [0, 0, 0];  // voxel
+    this.words = [];  // of the voxel
+    this.panes = [2, 1, 0].map((axis) => new Pane(this, axis));
+    byId('slices').append(...this.panes.map(({ canvas }) => canvas));
+  }
+
+  get volume() {
+    return this.app.volume;
+  }
+  get shown() {
+    return settings.slices && this.app.scene.state !== null;
+  }
+
+  /** The scene that slices are of: one whose colours are those of values, not of sums along rays. */
+  state() {
+    const { state } = this.app.scene, { hello } = this.app;
+    if (state.mode !== 'sum') return state;
+    const channels = state.channels.map((one, k) => ({ ...one, window: hello.channels[k].windows.mip }));
+    return { ...state, transfer_function: hello.modes.mip, channels };
+  }
+
+  /** All pictures are those of the slices that are shown. */
+  get drawn() {
+    return this.panes.every(({ bitmap, asks }) => bitmap && !asks);
+  }
+
+  begin() {
+    this.at = this.volume.dims.map((count) => Math.floor(count / 2));
+    this.words = [];
+    this.ask();
+  }
+
+  settingsChanged() {
+    byId('stage').classList.toggle('with-slices', settings.slices);
+    this.ask();
+  }
+  toggle() {
+    set({ slices: !settings.slices });
+  }
+
+  /** What changed of the scene. */
+  refresh(keys) {
+    if (shownBy.some((key) => keys.has(key))) this.ask();
+  }
+  ask() {
+    for (const pane of this.panes) pane.ask();
+  }
+
+  step(axis, way) {
+    this.goTo(this.at.with(axis, clamp(this.at[axis] + way, 0, this.volume.dims[axis] - 1)));
+  }
+
+  /** Has the slices meet at a voxel, which need not be whole. */
+  goTo(voxel) {
+    const at = voxel.map((v, k) => clamp(Math.round(v), 0, this.volume.dims[k] - 1)), before = this.at;
+    if (at.every((v, k) => v === before[k])) return;
+    [this.at, this.words] = [at, []];
+    for (const pane of this.panes) {
+      if (at[pane.axis] !== before[pane.axis]) pane.ask();
+      pane.draw();
+    }
+    this.app.redraw();
+    clearTimeout(this.timer);
+    if (this.shown) this.timer = setTimeout(() => this.askValue(), restBegins);
+  }
+
+  /** Puts an end of the ruler where the slices meet. */
+  mark() {
+    this.app.probing.mark(this.at);
+    this.askValue();
+  }
+
+  /** Tells the value of the voxel where the slices meet. */
+  async askValue() {
+    const { at } = this;
+    try {
+      const { value } = await this.app.connection.ask({ type: 'probe', voxel: at, state: this.state() });
+      if (at !== this.at) return;
+      const { probing } = this.app, measures = probing.places.at(-1) === at ? probing.measures() : [];
+      this.words = [`value ${show(value, 6)}`, ...measures];
+      byId('probe-words').textContent = [`voxel ${at.join(', ')}`, ...this.words].join('; ');
+      this.panes[0].draw();
+    } catch {
+      // a later one was asked for
+    }
+  }
+
+  /** The slices' outlines as boxes, for what is drawn over the volume. */
+  boxes() {
+    if (!this.shown) return [];
+    const whole = this.volume.dims.map((count) => [0, count]);
+    return this.at.map((place, axis) => whole.with(axis, [place + 0.5, place + 0.5]));
+  }
+}

@@ -1,0 +1,43 @@
+"""Slices that a page asks for, against those that the program draws and the file's own voxels."""
+import gzip, os, subprocess
+
+import viewer_client as vc
+from server_case import expect, told
+
+
+
+def voxels(path):
+    """The bytes of a gzipped NRRD, and its sizes."""
+    with open(path, "rb") as file:
+        head, data = file.read().split(b"\n\n", 1)
+    sizes = next(line for line in head.decode().splitlines() if line.startswith("sizes:"))
+    return gzip.decompress(data), [int(word) for word in sizes.split()[1:]]
+
+
+def slices(options, server):
+    client = server.client()
+    data, dims = voxels(options.volume)
+    grey = client.hello["modes"]["mip"]
+    for axis, index in ((0, 61), (1, 40), (2, 70)):
+        lies = client.hello["volume"]["slices"][axis]
+        along = [abs(lies[way]) - 1 for way in ("right", "up")]
+        extents = [dims[k] * client.hello["volume"]["spacing"][k] for k in along]
+        size = [300, round(300 * extents[1] / extents[0])]
+        client.send({"type": "snapshot", "id": 10 + axis, "width": size[0], "height": size[1], "format": "png", "slice": [axis, index],
+                     "state": {"transfer_function": grey, "clip": [[0, 9], [0, 9], [0, 9]], "mode": "mean"}})
+        got = client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1)
+        files = [os.path.join(options.scratch, name) for name in (f"slice{axis}.png", f"program{axis}.png")]
+        with open(files[0], "wb") as file:
+            file.write(got.file)
+        subprocess.run([options.program, "render", options.volume, "-o", files[1], "--slice", f"{'xyz'[axis]}={index}", "--size",
+                        f"{size[0]}x{size[1]}", "--background", "black"], check=True, capture_output=True)
+        subprocess.run([options.program, "compare", *files, "--fail-above", "0"], check=True, stdout=subprocess.DEVNULL)
+    for number, wrong in enumerate(([3, 0], [0, 128], [0, -1], [0], "x", 7)):
+        client.send({"type": "snapshot", "id": 100 + number, "width": 8, "height": 8, "format": "png", "slice": wrong})
+        expect("slice" in told(client, "snapshot", 100 + number), "the error names no slice")
+    for at in ((50, 77, 62), (64, 30, 90), (81, 99, 40), (0, 0, 0), (127, 127, 123)):
+        client.send({"type": "probe", "id": 20, "voxel": at, "state": {"transfer_function": grey}})
+        value, found = data[(at[2] * dims[1] + at[1]) * dims[0] + at[0]], client.text("probe")
+        expect(abs(found["value"] - value) < 1e-4, (at, value, found))
+        expect(value < 9 or found["hit"] and all(abs(a - b) < 1e-5 for a, b in zip(found["voxel"][:2], at)), (at, found))
+    client.close()
