@@ -22,7 +22,7 @@ using serve::RunState;
 using serve::SteerMessage;
 
 /// What all ranks do next in show().
-enum class Act : std::uint8_t { go_on, draw, count_and_draw, hold };
+enum class Act : std::uint8_t { go_on, draw, count_and_draw, answer, hold };
 
 constexpr double soon = 0.2;  ///< seconds, as often as people read
 
@@ -80,8 +80,8 @@ struct Live::State {
     v.target_seconds = options.target_seconds;
     v.server = {options.address,         options.port,           options.allowed_hosts,
                 options.allowed_origins, options.allowed_frames, false};
-    v.steer = [this](const SteerMessage& wanted) {
-      steering.take(wanted);
+    v.steer = [this](const SteerMessage& message) {
+      steering.take(message);
       tell();
     };
     run.histogram = values.histogram;
@@ -127,6 +127,7 @@ struct Live::State {
   Act decide() {
     if (steering.holds()) return Act::hold;
     if (!share.allows_a_picture()) return Act::go_on;
+    if (viewer->has_requests()) return Act::answer;
     viewer->renewed(range, true);
     director = viewer->director();
     wanted = director.next_picture();
@@ -141,10 +142,12 @@ struct Live::State {
     return {};
   }
 
-  /// Draws what pages want while they hold the simulation.
-  Director held_frames() {
+  /// Draws what pages want while they hold the simulation, or until all is answered.
+  Director held_frames(Act act) {
     Director held = viewer->director();
-    const auto holds = [this] { return steering.holds() && viewer->has_pages(); };
+    const auto holds = [this, act] {
+      return viewer->has_pages() && (act == Act::hold ? steering.holds() : viewer->has_requests());
+    };
     held.may_come = [holds, may_come = held.may_come] { return holds() && may_come(); };
     held.next_picture = [holds, next = held.next_picture] {
       return holds() ? next() : std::vector<VolumeFrame>();
@@ -187,10 +190,13 @@ struct Live::State {
     SessionParts::render(session, frames, director.frame_done);
   }
 
-  void hold() {
-    if (viewer) viewer->renewed(range, false);
-    SessionParts::direct(session, serve::needed_for_levels(frame, SessionParts::grid(session)),
-                         viewer ? held_frames() : Director{});
+  void hold(Act act) {
+    const bool goes_on = act == Act::answer;
+    if (viewer) viewer->renewed(range, goes_on);
+    LoadOptions needed = serve::needed_for_levels(frame, SessionParts::grid(session));
+    if (goes_on) needed.factors = {1};
+    SessionParts::direct(session, needed, viewer ? held_frames(act) : Director{});
+    if (goes_on) return;
     steps = 0;
     told = now_seconds();
   }
@@ -236,10 +242,13 @@ void Live::show(std::int64_t step, double time) {
     if (!std::exchange(committed, true)) s.session.commit();
     if (act != Act::draw) s.count();
     if (act == Act::hold) {
-      s.hold();
+      s.hold(act);
       continue;
     }
-    s.draw();
+    if (act == Act::answer)
+      s.hold(act);
+    else
+      s.draw();
     s.share.spent(now_seconds() - begin);
     break;
   }

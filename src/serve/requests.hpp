@@ -160,6 +160,13 @@ class Requests {
     return frames.empty() ? next_file(frame) : frames;
   }
 
+  /// True when frames are wanted for one, now or after those that are under way.
+  bool any() const {
+    const std::lock_guard lock(mutex_);
+    const bool draws = making_ ? making_->frame >= 0 : !files_.empty();
+    return !ended_ && (probing_ || draws || !probes_.empty());
+  }
+
   /// True when that frame is one that next() gave and that has not come back.
   bool renders(std::int64_t frame) const {
     const std::lock_guard lock(mutex_);

@@ -112,6 +112,8 @@ class PageViewer final : public Viewer {
     return audience_.size() > 0;
   }
 
+  bool has_requests() override { return requests_.any(); }
+
   void warn(const std::string& text) override {
     constexpr std::size_t most = 20;
     const std::lock_guard lock(mutex_);

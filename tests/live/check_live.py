@@ -58,6 +58,22 @@ def turned(options):
     server.kill()
 
 
+def answered(options):
+    """What pages ask for beside views is answered while it runs, and views are drawn on."""
+    server = start(options, 4)
+    client = server.client()
+    client.acknowledge(client.picture(seq=client.view()))
+    first = run(client)["step"]
+    for axis in range(3):
+        client.send({"type": "snapshot", "id": axis, "width": 64, "height": 64, "format": "png", "slice": [axis, 16]})
+        client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1 and m.number == axis)
+    client.send({"type": "probe", "id": 7, "voxel": [16, 16, 16]})
+    expect(client.text("probe")["value"] > 0, "no value")
+    client.acknowledge(client.picture(seq=client.view(moving=True, camera={"azimuth": 30})))
+    expect(run(client)["step"] > first, "no step was taken")
+    server.kill()
+
+
 def steered(options):
     """It is held, takes single steps, and takes numbers, as its values prove."""
     server = start(options, 4)
@@ -157,7 +173,7 @@ def killed_rank(options):
 
 
 def main():
-    cases = [turned, steered, same_on_all_ranks, clients_come_and_go, ends, killed_rank]
+    cases = [turned, answered, steered, same_on_all_ranks, clients_come_and_go, ends, killed_rank]
     arguments = argparse.ArgumentParser()
     for name in ("--heat", "--program", "--mpiexec", "--scratch"):
         arguments.add_argument(name)

@@ -31,6 +31,7 @@ export class RunPanel {
 
   /** What the server says of the simulation. */
   told(run) {
+    if (run.step !== this.run?.step) this.app.slices.ask();
     const known = this.run?.parameters.map(({ name }) => name).join();
     this.run = run;
     this.app.volume.histogram = run.histogram;
