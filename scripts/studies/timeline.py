@@ -73,7 +73,7 @@ class Timeline:
         return [s for s in self.spans[node] if s.name in names]
 
 
-COLOUR = {"classify": "#f4c9a0", "shade": "#e9a466", "encode": "#d67f35", "draw": "#7fa8d1", "composite": "#3f6fa8", "deliver": "#274b75"}
+COLOUR = {"slice": "#e9a466", "draw": "#7fa8d1", "composite": "#3f6fa8", "deliver": "#274b75"}
 WAIT = {"wait for token": ("0.93", "////", "waits for a token"), "send": ("0.93", "....", "waits to be accepted")}
 IDLE = ("#f7f2c8", "\\\\\\\\", "Renderer without work")
 BETWEEN = "0.82"  # pieces of one slice: the rank had no core, or did something else
@@ -204,7 +204,7 @@ def is_trace(document):
 
 def main(words):
     """Draws a frame's timeline from what `ringsplat render ... --trace FILE` wrote, as Figs. 5 and 8 of Neumann 1992 do. GPs and Renderers are
-rows. A GP's bar is one slice with the seconds that classifying, shading and encoding took in sum; a Renderer's is one payload. Waiting is
+rows. A GP's bar is one slice, a Renderer's one payload. Waiting is
 shaded. Arcs are tokens, one colour for each Renderer."""
     arguments = parser(main.__doc__)
     arguments.add_argument("trace", help="written by ringsplat render --trace")

@@ -28,7 +28,6 @@ struct EngineSetup {
   int threads = 1;               ///< threads that share a node's work
   std::uint64_t kept_bytes = 0;  ///< of sheets' planes that each Renderer keeps from frame to frame
   bool skip_empty = true;        ///< leave out slices that the transfer function makes transparent
-  bool timed = false;            ///< measure seconds by stage
   TakePicture take = {};         ///< called on the frame buffer's rank
 
   SliceDealing dealing() const { return {gps, bundle}; }

@@ -86,8 +86,6 @@ class Encoder {
   virtual EncodedStep finish() = 0;
   /// Takes what a Painter's news() wrote. Throws RunError when the bytes are no such news.
   virtual void take_news(std::span<const std::byte> news) = 0;
-  /// Seconds of this frame's work by stage, so far; zero unless the engine measures them.
-  virtual StageSeconds stages() const { return {}; }
   /// Bytes of slices that the GP holds.
   virtual std::uint64_t slice_memory() const = 0;
 };

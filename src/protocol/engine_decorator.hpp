@@ -19,7 +19,6 @@ class EncoderDecorator : public Encoder {
   bool work() override { return inner_->work(); }
   EncodedStep finish() override { return inner_->finish(); }
   void take_news(std::span<const std::byte> news) override { inner_->take_news(news); }
-  StageSeconds stages() const override { return inner_->stages(); }
   std::uint64_t slice_memory() const override { return inner_->slice_memory(); }
 
  protected:

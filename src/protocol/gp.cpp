@@ -280,15 +280,8 @@ class Gp final : public Node {
     Frame& frame = **found;
     Encoder& encoder = *frame.encoder;
     const int step = frame.steps[frame.next_step];
-    const StageSeconds before = encoder.stages();
-    const auto worked = [&]() -> Turn {
-      const StageSeconds after = encoder.stages();
-      return {Activity::slice,
-              frame.number,
-              step,
-              {after.classify - before.classify, after.shade - before.shade}};
-    };
-    if (encoder.prepare()) return worked();
+    const Turn worked{Activity::slice, frame.number, step};
+    if (encoder.prepare()) return worked;
     if (!frame.encoding) {
       if (prepared_slices() >= std::size_t(my_.options.look_ahead)) return {};
       encoder.begin(step);
@@ -298,7 +291,7 @@ class Gp final : public Node {
       prepare_slice(frame, {std::vector<EncodedPart>(std::size_t(my_.layout.renderers)), {}});
     else if (encoder.work())
       prepare_slice(frame, encoder.finish());
-    return worked();
+    return worked;
   }
 
   void prepare_slice(Frame& frame, EncodedStep&& encoded) {

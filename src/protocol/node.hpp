@@ -82,8 +82,7 @@ struct Turn {
   std::optional<Activity> activity;  ///< none: idle
   std::int64_t frame = 0;
   std::int32_t step = -1;
-  StageSeconds stages = {};  ///< part of a slice's seconds
-  double compositing = 0;    ///< the last part of a payload's seconds
+  double compositing = 0;  ///< the last part of a payload's seconds
 };
 
 /// Books where a node's time goes: seconds for its statistics, and spans for its timeline if there is one.
@@ -113,7 +112,7 @@ class NodeBook {
  private:
   void add_spans(const Turn& turn, double begin, double end) {
     const double composited = std::max(begin, end - turn.compositing);
-    trace_->add(*turn.activity, turn.frame, turn.step, begin, composited, turn.stages);
+    trace_->add(*turn.activity, turn.frame, turn.step, begin, composited);
     if (composited < end) trace_->add(Activity::composite, turn.frame, turn.step, composited, end);
   }
 

@@ -38,8 +38,7 @@ bool is_sound(const NodeRecord& record) {
   constexpr std::int32_t most_nodes = 1 << 24;
   const auto is_time = [](double seconds) { return std::abs(seconds) <= longest; };
   const auto is_span = [&](const Span& s) {
-    return is_time(s.begin) && is_time(s.end) && is_time(s.busy) && is_time(s.stages.classify) &&
-           is_time(s.stages.shade) && s.activity <= Activity::frame;
+    return is_time(s.begin) && is_time(s.end) && is_time(s.busy) && s.activity <= Activity::frame;
   };
   const auto is_mark = [&](const Mark& m) { return is_time(m.time) && m.moment <= Moment::take_payload; };
   return record.node.role < Role::host && record.node.index >= 0 && record.node.index < most_nodes &&
@@ -59,8 +58,7 @@ bool take_records(const Block& block, Trace::Gathered& all) {
 
 }  // namespace
 
-void NodeTrace::add(Activity activity, std::int64_t frame, std::int32_t step, double begin, double end,
-                    StageSeconds stages) {
+void NodeTrace::add(Activity activity, std::int64_t frame, std::int32_t step, double begin, double end) {
   auto& spans = record_.spans;
   if (!spans.empty() && is_waiting(spans.back().activity) &&
       spans.back().end - spans.back().begin < longest_gap &&
@@ -71,10 +69,8 @@ void NodeTrace::add(Activity activity, std::int64_t frame, std::int32_t step, do
     Span& last = spans.back();
     last.end = end;
     last.busy += end - begin;
-    last.stages.classify += stages.classify;
-    last.stages.shade += stages.shade;
   } else if (spans.size() < capacity_) {
-    spans.push_back({begin, end, end - begin, stages, frame, step, activity});
+    spans.push_back({begin, end, end - begin, frame, step, activity});
   } else {
     record_.full = true;
   }

@@ -15,16 +15,10 @@ enum class Activity : std::uint8_t { slice, wait_for_token, send, draw, composit
 /// An instant at a node. Each departure (pass, send) has its arrival (take) at another node.
 enum class Moment : std::uint8_t { pass_token, take_token, send_payload, take_payload };
 
-/// An encoder's seconds by stage. The rest of its time is encoding.
-struct StageSeconds {
-  double classify = 0, shade = 0;
-};
-
 /// One activity over a while, in seconds of its process's clock.
 struct Span {
   double begin = 0, end = 0;
-  double busy = 0;      ///< seconds of it really spent; pieces of work are joined over short gaps
-  StageSeconds stages;  ///< of a slice's busy seconds
+  double busy = 0;  ///< seconds of it really spent; pieces of work are joined over short gaps
   std::int64_t frame = 0;
   std::int32_t step = 0;  ///< of the traversal; -1: not of one slice
   Activity activity = Activity::slice;
@@ -56,8 +50,7 @@ class NodeTrace {
 
   explicit NodeTrace(NodeId node, std::size_t capacity = most) : capacity_(capacity) { record_.node = node; }
   /// All of begin … end was spent on it. Calls come in the order of time.
-  void add(Activity activity, std::int64_t frame, std::int32_t step, double begin, double end,
-           StageSeconds stages = {});
+  void add(Activity activity, std::int64_t frame, std::int32_t step, double begin, double end);
   void mark(Moment moment, std::int64_t frame, std::int32_t step, std::int32_t renderer, double time);
   const NodeRecord& record() const { return record_; }
 
@@ -108,9 +101,8 @@ class Trace {
 /// Chrome's trace-event JSON ("Trace Event Format", Google 2016), which Perfetto opens: a process for each
 /// rank, a thread for each node, spans as complete events that nest, tokens and payloads as flow arrows.
 ///
-/// Times are microseconds since the first event, exact to the nanosecond. A slice has the children classify,
-/// shade and encode: an encoder alternates between them row by row, so each is shown once, with its seconds
-/// in sum, one after another. A flow is written only when both of its ends were recorded.
+/// Times are microseconds since the first event, exact to the nanosecond. A flow is written only when both of
+/// its ends were recorded.
 std::string to_chrome_trace(const Trace::Gathered& trace, const Layout& layout);
 
 }  // namespace ringsplat

@@ -97,23 +97,9 @@ class Row {
       write_frame(span);
       return;
     }
-    const Nanoseconds begin = at(span.begin), end = at(span.end);
     json args{{"frame", span.frame}, {"busy_us", microseconds(span.busy)}};
     if (span.step >= 0) args["step"] = span.step;
-    write_complete(span_names[std::size_t(span.activity)], "node", begin, end, args);
-    if (span.activity == Activity::slice) write_stages(span, begin, end);
-  }
-
-  void write_stages(const Span& span, Nanoseconds begin, Nanoseconds end) {
-    const double encode = std::max(0.0, span.busy - span.stages.classify - span.stages.shade);
-    const std::pair<const char*, double> stages[] = {
-        {"classify", span.stages.classify}, {"shade", span.stages.shade}, {"encode", encode}};
-    for (const auto& [what, seconds] : stages) {
-      const Nanoseconds stage_end = std::min(end, begin + Nanoseconds(std::llround(seconds * 1e9)));
-      if (stage_end > begin)
-        write_complete(what, "stage", begin, stage_end, {{"frame", span.frame}, {"step", span.step}});
-      begin = stage_end;
-    }
+    write_complete(span_names[std::size_t(span.activity)], "node", at(span.begin), at(span.end), args);
   }
 
   /// Frames in flight overlap, so they are asynchronous events beside the rows.
@@ -173,7 +159,6 @@ json metadata(const char* what, int process, int thread, const char* key, json v
 json explanation(const Trace::Gathered& trace, const Layout& layout) {
   json j{{"gps", layout.gps}, {"renderers", layout.renderers}, {"ranks", layout.ranks()}};
   j["longest_gap_us"] = microseconds(NodeTrace::longest_gap);
-  j["stages"] = "classify, shade and encode take turns row by row; each stands for its seconds in sum";
   j["full"] = json::array();
   for (const auto& node : trace.nodes)
     if (node.full) j["full"].push_back(to_string(node.node));

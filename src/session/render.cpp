@@ -141,7 +141,7 @@ void check(const EngineOptions& options) {
 namespace {
 
 /// Makes the engine of a rank, which gets its slices of the scene and its others.
-std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout, bool timed,
+std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout,
                                     const EngineOptions& options, TakePicture take) {
   const auto slices_of = [rank](Scene& held) {
     const auto store = held.stores.find(rank);
@@ -162,7 +162,6 @@ std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout
                     // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order
                     // (net/mesh.hpp).
                     .skip_empty = !layout.routed(),
-                    .timed = timed,
                     .take = std::move(take)};
   if (options.encodes_pictures)
     for (WorkCosts* costs : {&setup.splat_costs, &setup.sheet_costs}) costs->picture += encoding_a_pixel;
@@ -191,9 +190,9 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
   flush_denormals();
   DirectedFrames frames(std::move(director), scene.grid, layout.renderers);
   const auto engine_of = [&](int rank) {
-    return make_engine(
-        scene, rank, layout, protocol.trace != nullptr, options,
-        [&frames](std::int64_t frame, Image&& picture) { frames.take_picture(frame, std::move(picture)); });
+    return make_engine(scene, rank, layout, options, [&frames](std::int64_t frame, Image&& picture) {
+      frames.take_picture(frame, std::move(picture));
+    });
   };
   if (wiring.transport == nullptr)
     run_loopback(layout, protocol, engine_of, frames, wiring.loopback);

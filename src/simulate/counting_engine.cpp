@@ -227,7 +227,7 @@ class MeasuredParts {
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) {
     return make_measuring_encoder(
-        make_splat_encoder(frame, setup_.renderers, *setup_.slices, space, threads_, false, setup_.timed),
+        make_splat_encoder(frame, setup_.renderers, *setup_.slices, space, threads_, false),
         make_splat_meter(frame, voxel_weight_));
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SheetFrame> frame, SliceBlocks& blocks) {

@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "base/clock.hpp"
 #include "classify/sample_row.hpp"
 
 namespace ringsplat {
@@ -68,8 +67,7 @@ void RowBand::begin(const SliceView& slice, VisibleVoxels& voxels, int first, in
   visible_ = outside_ = 0;
 }
 
-bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages) {
-  stages_ = stages;
+bool RowBand::work(int visible_at_most, int voxels_at_most) {
   int visible = 0, voxels = 0;
   for (; row_ < end_ && visible < visible_at_most && voxels < voxels_at_most; ++row_) {
     row_offset_ = row_ % frame_.stride;
@@ -83,7 +81,6 @@ bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages
 }
 
 void RowBand::find_row() {
-  const ScopedSeconds timed(stages_ ? &stages_->classify : nullptr);
   const auto runs = voxels_->runs().of_row(row_);
   Columns columns{0, std::uint32_t(slice_.width)};
   if (!runs.empty()) columns = in_view(columns);
@@ -106,7 +103,6 @@ Columns RowBand::in_view(Columns all) {
 }
 
 std::span<const ClassifiedSample> RowBand::make_samples() {
-  const ScopedSeconds timed(stages_ ? &stages_->shade : nullptr);
   const NormalCode* normals = frame_.phong ? slice_.normals_of_row(row_) : nullptr;
   ringsplat::make_samples(frame_.classifier, {slice_.values_of_row(row_), normals, slice_.width},
                           frame_.phong ? &*frame_.phong : nullptr, found_);

@@ -93,9 +93,8 @@ class RowBand {
   /// work.
   void begin(const SliceView& slice, VisibleVoxels& voxels, int first, int end);
   /// Encodes rows until `visible_at_most` visible voxels or `voxels_at_most` voxels are done; true once the
-  /// band is complete. Skips voxels whose kernels lie outside the image. Adds classify and shade seconds to
-  /// *stages unless null.
-  bool work(int visible_at_most, int voxels_at_most, StageSeconds* stages);
+  /// band is complete. Skips voxels whose kernels lie outside the image.
+  bool work(int visible_at_most, int voxels_at_most);
 
   std::uint64_t visible_voxels() const { return visible_; }
   /// Voxels skipped because they lie outside the image.
@@ -172,7 +171,6 @@ class RowBand {
   int row_ = 0, end_ = 0;  ///< the next row, and one past the band's last
   int row_offset_ = 0;     ///< within the stride
   std::uint64_t visible_ = 0, outside_ = 0;
-  StageSeconds* stages_ = nullptr;
 };
 
 std::unique_ptr<RowBand> make_word_band(const EncoderFrame& frame);

@@ -7,7 +7,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/clock.hpp"
 #include "classify/empty_space.hpp"
 #include "engine_parts/frame_engine.hpp"
 #include "frame/frame_geometry.hpp"
@@ -25,14 +24,13 @@ namespace {
 class SliceEncoder final : public Encoder {
  public:
   SliceEncoder(std::shared_ptr<const SplatFrame> frame, int renderers, const SliceStore& store,
-               EmptySpace& empty_space, ThreadTeam& threads, bool skip_empty, bool timed)
+               EmptySpace& empty_space, ThreadTeam& threads, bool skip_empty)
       : announced_(std::move(frame)),
         whole_store_(store),
         store_(store.level(announced_->shown.reduction.factor)),
         empty_space_(empty_space),
         threads_(threads),
         skip_empty_(skip_empty),
-        timed_(timed),
         renderers_(renderers),
         last_bytes_(std::size_t(renderers)) {
     check_loaded(store_, geometry().traversal.axis, announced_->number);
@@ -73,19 +71,14 @@ class SliceEncoder final : public Encoder {
     while (bands_.size() < bands_in_use_)
       bands_.push_back(announced_->splats.payload == PayloadForm::words ? make_word_band(*frame_)
                                                                         : make_run_band(*frame_));
-    pieces_.assign(bands_in_use_, {});
+    complete_.assign(bands_in_use_, 0);
     for (std::size_t k = 0; k < bands_in_use_; ++k)
       bands_[k]->begin(slice, visible, bounds[k], bounds[k + 1]);
   }
 
   bool work() override {
-    double wall = 0;
-    {
-      const ScopedSeconds timed(timed_ ? &wall : nullptr);
-      threads_.run(int(bands_in_use_), [this](int band) { encode_some(std::size_t(band)); });
-    }
-    if (timed_) divide(wall);
-    return std::all_of(pieces_.begin(), pieces_.end(), [](const Piece& piece) { return piece.complete; });
+    threads_.run(int(bands_in_use_), [this](int band) { encode_some(std::size_t(band)); });
+    return std::all_of(complete_.begin(), complete_.end(), [](char complete) { return complete; });
   }
 
   EncodedStep finish() override {
@@ -117,38 +110,14 @@ class SliceEncoder final : public Encoder {
   void take_news(std::span<const std::byte> news) override {
     if (frame_) read_opaque_news(news, frame_->opaque);
   }
-  StageSeconds stages() const override { return stages_; }
   std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
 
  private:
-  /// A band's last piece of work; each is written by one thread.
-  struct alignas(64) Piece {
-    bool complete = false;
-    double busy = 0;
-    StageSeconds stages;
-  };
-
   /// Encodes a piece of a band, limited by its cost: visible voxels, or many transparent ones. Messages wait
   /// for the end of a piece, and so do the other threads.
   void encode_some(std::size_t band) {
-    Piece& piece = pieces_[band];
-    if (piece.complete) return;
     const int pieces_at_once = bands_in_use_ > 1 ? 4 : 1;
-    const ScopedSeconds timed(timed_ ? &piece.busy : nullptr);
-    piece.complete =
-        bands_[band]->work(1024 * pieces_at_once, 16384 * pieces_at_once, timed_ ? &piece.stages : nullptr);
-  }
-
-  void divide(double wall) {
-    Piece sum;
-    for (Piece& piece : pieces_) {
-      sum.busy += std::exchange(piece.busy, 0);
-      const StageSeconds stages = std::exchange(piece.stages, {});
-      sum.stages.classify += stages.classify;
-      sum.stages.shade += stages.shade;
-    }
-    stages_.classify += wall_share(wall, sum.stages.classify, sum.busy);
-    stages_.shade += wall_share(wall, sum.stages.shade, sum.busy);
+    if (!complete_[band]) complete_[band] = bands_[band]->work(1024 * pieces_at_once, 16384 * pieces_at_once);
   }
 
   const FrameGeometry& geometry() const { return announced_->geometry; }
@@ -187,24 +156,22 @@ class SliceEncoder final : public Encoder {
   const SliceStore& store_;  ///< the frame's level
   EmptySpace& empty_space_;
   ThreadTeam& threads_;
-  bool skip_empty_, timed_;
+  bool skip_empty_;
   int renderers_;
   std::vector<std::size_t> last_bytes_;  ///< by Renderer: about as many as its last payload had
   std::optional<EncoderFrame> frame_;    ///< made for the first slice: a GP may have none
   std::uint64_t voxels_ = 0;             ///< of the slice
   std::vector<std::unique_ptr<RowBand>> bands_;
   std::size_t bands_in_use_ = 0;  ///< how many bands the slice uses, in the order of its rows
-  std::vector<Piece> pieces_;     ///< by band in use
-  StageSeconds stages_;
+  std::vector<char> complete_;    ///< by band in use; each is written by one thread
 };
 
 }  // namespace
 
 std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> frame, int renderers,
                                             const SliceStore& store, EmptySpace& empty_space,
-                                            ThreadTeam& threads, bool skip_empty, bool timed) {
-  return std::make_unique<SliceEncoder>(std::move(frame), renderers, store, empty_space, threads, skip_empty,
-                                        timed);
+                                            ThreadTeam& threads, bool skip_empty) {
+  return std::make_unique<SliceEncoder>(std::move(frame), renderers, store, empty_space, threads, skip_empty);
 }
 
 }  // namespace ringsplat

@@ -39,7 +39,7 @@ class SplatParts {
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) {
     return make_splat_encoder(std::move(frame), setup_.renderers, *setup_.slices, space, encoder_threads_,
-                              setup_.skip_empty, setup_.timed);
+                              setup_.skip_empty);
   }
   std::unique_ptr<FramePainter<SplatFrame>> painter(int renderer) {
     return make_splat_painter(renderer, setup_.renderers, painter_threads_);

@@ -164,7 +164,7 @@ std::vector<Input> link_counts_seeds() {
 Trace a_trace() {
   Trace trace;
   NodeTrace* const gp = trace.of({Role::gp, 0});
-  gp->add(Activity::slice, 0, 3, 1.0, 1.5, {0.1, 0.2});
+  gp->add(Activity::slice, 0, 3, 1.0, 1.5);
   gp->add(Activity::send, 0, 3, 1.5, 1.6);
   gp->mark(Moment::pass_token, 0, 4, 0, 1.6);
   NodeTrace* const renderer = trace.of({Role::renderer, 0});

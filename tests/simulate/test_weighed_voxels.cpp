@@ -25,7 +25,7 @@ double splats_of_a_voxel(const Grid& grid, double voxel_weight) {
   const auto stores = dealt(*source, 1);
   EmptySpace space;
   ThreadTeam threads(1);
-  const auto encoder = make_splat_encoder(frame, renderers, stores.at(0), space, threads, false, false);
+  const auto encoder = make_splat_encoder(frame, renderers, stores.at(0), space, threads, false);
   double splats = 0, visible = 0;
   for (const int step : {20, 50, 90, 120}) {
     encoder->begin(step);

@@ -83,9 +83,9 @@ inline void check_row(const TraceEvents& row) {
 
 inline void check_trace(const nlohmann::json& trace, int gps, int renderers, int ranks) {
   REQUIRE(trace["displayTimeUnit"] == "ms");
-  const std::set<std::string> known{"slice",      "classify",     "shade",       "encode",  "wait for token",
-                                    "send",       "draw",         "composite",   "deliver", "pass token",
-                                    "take token", "send payload", "take payload"};
+  const std::set<std::string> known{"slice",        "wait for token", "send",       "draw",
+                                    "composite",    "deliver",        "pass token", "take token",
+                                    "send payload", "take payload"};
   const auto names = thread_names(trace);
   REQUIRE(names.size() == std::size_t(gps + renderers + 1));
   std::set<int> processes;
