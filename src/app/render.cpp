@@ -1,6 +1,6 @@
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include <iostream>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -25,7 +25,7 @@ namespace {
 class Browsing {
  public:
   /// `frame` holds what all frames have in common.
-  Browsing(const FrameSpec& frame, std::vector<Camera> views, std::unique_ptr<ViewStream> stream)
+  Browsing(const FrameSpec& frame, std::vector<Camera> views, std::shared_ptr<ViewStream> stream)
       : frame_(frame), views_(std::move(views)), stream_(std::move(stream)) {}
 
   /// The director of the run. `output` takes finished frames; both arguments must outlive the run.
@@ -76,14 +76,14 @@ class Browsing {
 
   FrameSpec frame_;
   std::vector<Camera> views_;
-  std::unique_ptr<ViewStream> stream_;
+  std::shared_ptr<ViewStream> stream_;
   std::size_t next_listed_ = 0;  ///< into views_
   int under_way_ = 0;            ///< frames
   bool waiting_ = false;         ///< for a view, while no frame is being rendered
 };
 
 /// The stream of `--path -`. What is passed by reference must outlive it.
-std::unique_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSpec& frame, const Grid& grid,
+std::shared_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSpec& frame, const Grid& grid,
                                            Progress& progress) {
   const auto check = [&](const Camera& camera) {
     FrameSpec spec = frame;
@@ -94,8 +94,7 @@ std::unique_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSp
     progress.clear();
     log_warning("{}", text);
   };
-  return std::make_unique<ViewStream>(STDIN_FILENO, "--path -", o.frame.shown.camera,
-                                      ViewStream::Hooks{check, warn});
+  return ViewStream::of(std::cin, "--path -", o.frame.shown.camera, {check, warn});
 }
 
 void write_trace(Trace& trace, const std::string& file, const Layout& layout, Launch& launch) {

@@ -1,7 +1,9 @@
 #include "app/views.hpp"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
 
@@ -76,33 +78,18 @@ Camera from_columns(const std::string& line, const std::string& where,
 const char* const path_line_hint =
     "a line is: azimuth elevation [roll [zoom]], or JSON such as {\"azimuth\": 30, \"zoom\": 2}";
 
-void LineSplitter::add(std::string_view piece, const Take& take) {
-  while (!piece.empty()) {
-    const std::size_t feed = piece.find('\n');
-    const std::string_view part = piece.substr(0, feed);
-    if (!skipping_) {
-      text_.append(part.substr(0, most_bytes + 1 - text_.size()));
-      if (text_.size() > most_bytes) {
-        text_.pop_back();
-        hand_over(take, true);
-        skipping_ = true;
-      }
-    }
-    if (feed == std::string_view::npos) return;
-    if (!skipping_) hand_over(take, false);
-    skipping_ = false;
-    ++number_;
-    piece.remove_prefix(feed + 1);
-  }
-}
-
-void LineSplitter::end(const Take& take) {
-  if (!text_.empty()) hand_over(take, false);
-}
-
-void LineSplitter::hand_over(const Take& take, bool too_long) {
-  take({text_, number_, too_long});
-  text_.clear();
+bool next_line(std::istream& in, PathLine& line) {
+  std::array<char, PathLine::most_bytes + 1> text{};
+  in.getline(text.data(), text.size());
+  const auto bytes = std::size_t(in.gcount());
+  if (bytes == 0) return false;
+  ++line.number;
+  line.too_long = in.fail();
+  line.text.assign(text.data(), line.too_long || in.eof() ? bytes : bytes - 1);
+  if (!line.too_long) return true;
+  in.clear();
+  in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  return true;
 }
 
 std::vector<Camera> orbit(const Camera& start, int frames) {
@@ -115,7 +102,12 @@ PathReader::PathReader(const Camera& defaults) : defaults_(defaults) {
   for (const auto& field : std::span(fields).first(usual_columns)) columns_.push_back(field.part);
 }
 
-std::optional<Camera> PathReader::read(std::string line, const std::string& where) {
+std::optional<Camera> PathReader::read(const PathLine& read, const std::string& where) {
+  std::string line = read.text;
+  if (read.too_long)
+    throw InputError(
+        fmt::format("{}: '{}' has more than {} bytes", where, excerpt(line), PathLine::most_bytes),
+        path_line_hint);
   const auto first = line.find_first_not_of(" \t\r");
   if (first == std::string::npos || line[first] == '#') return std::nullopt;
   while (line.ends_with('\r') || line.ends_with(' ')) line.pop_back();
@@ -129,33 +121,20 @@ std::optional<Camera> PathReader::read(std::string line, const std::string& wher
   return view;
 }
 
-void refuse_long_line(const LineSplitter::Line& line, const std::string& where) {
-  throw InputError(
-      fmt::format("{}: '{}' has more than {} bytes", where, excerpt(line.text), LineSplitter::most_bytes),
-      path_line_hint);
-}
-
 std::vector<Camera> parse_path(std::istream& in, const std::string& where, const Camera& defaults) {
   PathReader reader(defaults);
   std::vector<Camera> cameras;
-  const auto take = [&](const LineSplitter::Line& line) {
-    const std::string here = fmt::format("{}:{}", where, line.number);
-    if (line.too_long) refuse_long_line(line, here);
-    const auto view = reader.read(line.text, here);
-    if (!view) return;
+  for (PathLine line; next_line(in, line);) {
+    const auto view = reader.read(line, fmt::format("{}:{}", where, line.number));
+    if (!view) continue;
     if (cameras.size() == most_views)
       throw InputError(fmt::format("{}: there are more than {} views in it", where, most_views),
                        "render it in parts, or take it from stdin: --path - < FILE");
     cameras.push_back(*view);
-  };
-  LineSplitter lines;
-  std::vector<char> piece(std::size_t{1} << 16);
-  while (in.read(piece.data(), std::streamsize(piece.size())) || in.gcount() > 0)
-    lines.add({piece.data(), std::size_t(in.gcount())}, take);
+  }
   if (in.bad())
     throw InputError(fmt::format("{} cannot be read to its end", where),
                      "is the disk or the network at fault?");
-  lines.end(take);
   if (cameras.empty()) throw InputError(fmt::format("{}: there is no view in it", where), path_line_hint);
   return cameras;
 }

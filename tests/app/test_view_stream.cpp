@@ -4,6 +4,9 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <unistd.h>
+#include <ext/stdio_filebuf.h>
+
+#include <istream>
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
@@ -18,13 +21,13 @@ class PipedStream {
  public:
   explicit PipedStream(const std::function<void(const Camera&)>& check = [](const Camera&) {}) {
     REQUIRE(pipe2(ends_, O_CLOEXEC) == 0);
-    stream_.emplace(ends_[0], "views", Camera{}, ViewStream::Hooks{check, [this](const std::string& warning) {
-                                                                     warnings_.push_back(warning);
-                                                                   }});
+    buffer_.emplace(ends_[0], std::ios::in);
+    in_.rdbuf(&*buffer_);
+    stream_ = ViewStream::of(in_, "views", {},
+                             {check, [this](const std::string& warning) { warnings_.push_back(warning); }});
   }
   ~PipedStream() {
     stream_.reset();
-    close(ends_[0]);
     end();
   }
   PipedStream(const PipedStream&) = delete;
@@ -66,7 +69,9 @@ class PipedStream {
  private:
   int ends_[2] = {-1, -1};
   std::vector<std::string> warnings_;
-  std::optional<ViewStream> stream_;
+  std::optional<__gnu_cxx::stdio_filebuf<char>> buffer_;  // closes the pipe
+  std::istream in_{nullptr};
+  std::shared_ptr<ViewStream> stream_;
 };
 
 }  // namespace
@@ -108,8 +113,8 @@ TEST_CASE("lines that give no view are skipped with a warning, and counted in th
   CHECK_THAT(piped.warnings()[3], Catch::Matchers::Contains("line 8: 'a\\x07' is not azimuth"));
   CHECK_THROWS_WITH(
       piped.stream().check_all_was_read(),
-      Catch::Matchers::Contains("4 lines give no view and were skipped (3, 6, 7, 8); the 2 views that "
-                                "came are rendered"));
+      Catch::Matchers::Contains("4 lines give no view and were skipped; the 2 views that came are "
+                                "rendered"));
 }
 
 TEST_CASE("not every line of a flood of bad ones is warned of", "[threads]") {
@@ -124,13 +129,8 @@ TEST_CASE("not every line of a flood of bad ones is warned of", "[threads]") {
                     Catch::Matchers::Contains("2000 lines give no view"));
 }
 
-TEST_CASE("a stream without a view is no good input, nor is one that cannot be read", "[threads]") {
+TEST_CASE("a stream without a view is no good input", "[threads]") {
   PipedStream piped;
   CHECK(piped.rest().empty());
   CHECK_THROWS_WITH(piped.stream().check_all_was_read(), Catch::Matchers::Contains("no view came"));
-  const int folder = open("/", O_RDONLY | O_CLOEXEC);
-  ViewStream stream(folder, "views", {}, {[](const Camera&) {}, [](const std::string&) {}});
-  while (stream.may_come()) usleep(200);
-  CHECK_THROWS_WITH(stream.check_all_was_read(), Catch::Matchers::Contains("cannot be read"));
-  close(folder);
 }
