@@ -242,16 +242,13 @@ struct Alike {
   const char* more = "";
 };
 
-constexpr const char* no_maximum =
-    " There is no maximum intensity projection: --tf grey --shading none comes near.";
-constexpr const char* no_surface = " Opacity that rises steeply at a value shows a surface there.";
 constexpr const char* or_whole = " --tf changes opacities, too.";
 constexpr Alike table[] = {
     {"range", "window window-level level clim vmin vmax"},
     {"colours", "cmap colormap colourmap color-map colors lut palette", or_whole},
     {"tf", "transfer-function preset"},
-    {"tf", "mip projection-mode", no_maximum},
-    {"tf", "iso isosurface isovalue contour", no_surface},
+    {"mode", "mip minip projection-mode blend-mode isosurface"},
+    {"isovalue", "iso contour"},
     {"opacity", "alpha density"},
     {"size", "resolution width height"},
     {"eye", "camera camera-position position"},

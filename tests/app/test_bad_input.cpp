@@ -82,7 +82,7 @@ const std::vector<Case> command_line_cases{
     {{"+", "--window", "0:80"}, "did you mean --range?", true},
     {{"+", "--colormap", "viridis"}, "did you mean --colours? --tf changes", true},
     {{"+", "--cmap=viridis"}, "did you mean --colours?", true},
-    {{"+", "--mip"}, "did you mean --tf? There is no maximum", true},
+    {{"+", "--mip"}, "did you mean --mode?", true},
     {{"+", "--resolution", "512"}, "did you mean --size?", true},
     {{"+", "--threads", "2"}, "did you mean --threads-per-rank?", true},
     {{"info", "{in}/good.nrrd", "--crop", "1:2"}, "did you mean --clip?"},
