@@ -145,7 +145,7 @@ ArrayPart choose_part(const DatasetMeaning& meaning, ScalarType type, const Volu
                        where, axis.size);
     if (!part.channel.index) part.components = axis.size;
   }
-  part.frame = chosen_frame(choice, meaning.notes.frames, "volumes", where);
+  part.frame = chosen_frame(choice, meaning.notes.frames, where);
   for (const auto& axis : meaning.axes) {
     const bool is_channel = axis.role == Role::channel;
     const bool whole = axis.role == Role::space || (is_channel && !part.channel.index);

@@ -90,7 +90,7 @@ class ChannelSource final : public ForwardingSource {
 
 }  // namespace
 
-int chosen_frame(const VolumeChoice& choice, int frames, const char* things, const std::string& where) {
+int chosen_frame(const VolumeChoice& choice, int frames, const std::string& where, const char* things) {
   const int frame = choice.frame.value_or(0);
   if (frame >= 0 && frame < frames) return frame;
   throw InputError(fmt::format("--frame {}: {} holds {}", frame, where,

@@ -18,7 +18,8 @@ struct ChannelChoice {
 };
 
 /// The number that --frame chooses of `frames`; throws InputError, which calls them `things`, for another.
-int chosen_frame(const VolumeChoice& choice, int frames, const char* things, const std::string& where);
+int chosen_frame(const VolumeChoice& choice, int frames, const std::string& where,
+                 const char* things = "volumes");
 
 /// Three or four unsigned numbers of 8 or 16 bits are red, green, blue and alpha; other vectors are not.
 bool are_colours(ScalarType type, int components);

@@ -61,7 +61,7 @@ std::unique_ptr<VolumeSource> open_described(const std::filesystem::path& path, 
 /// function chooses.
 void require_choice_there(const VolumeNotes& notes, const VolumeChoice& choice,
                           const std::filesystem::path& path) {
-  detail::chosen_frame(choice, notes.frames, "volumes", path.string());
+  detail::chosen_frame(choice, notes.frames, path);
   if (!choice.channel.empty() && choice.channel != "all" && notes.channels == 1)
     throw InputError(fmt::format("--channel {}: {} has one value a voxel", choice.channel, path.string()),
                      "leave --channel out");
@@ -82,7 +82,8 @@ void say_which_frame(const VolumeNotes& notes, const VolumeChoice& choice,
 /// pictures, unless the folder is a format of its own.
 Open format_of_folder(const std::filesystem::path& folder) {
   const auto has = [&](const char* name) { return std::filesystem::exists(folder / name); };
-  if (has("zarr.json") || has(".zarray") || has(".zgroup") || has("attributes.json")) return detail::open_zarr;
+  if (has("zarr.json") || has(".zarray") || has(".zgroup") || has("attributes.json"))
+    return detail::open_zarr;
   if (has("Header") && has("Level_0"))
     throw InputError(
         fmt::format("{} is an AMReX plotfile, whose boxes differ in resolution", folder.string()),

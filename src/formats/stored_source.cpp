@@ -42,12 +42,13 @@ class StoredSource final : public VolumeSource {
   bool concurrent() const override { return pieces_[0].encoding == Encoding::raw; }
 
   void read_slices(int first, int count, std::span<std::byte> out) override {
-    const auto& rescale = pieces_[0].rescale;
-    if (!rescale) return read_stored(first, count, out);
+    const auto& stored = pieces_[0];
+    if (!stored.rescale && !stored.half) return read_stored(first, count, out);
     const auto values = grid_.slice_voxels(Axis::z) * std::size_t(count);
-    std::vector<std::byte> raw(values * size_of(pieces_[0].type));
+    std::vector<std::byte> raw(values * size_of(stored.type));
     read_stored(first, count, raw);
-    apply(*rescale, pieces_[0].type, raw, grid_.type, out);
+    if (stored.half) return widen_halves(raw, out);
+    apply(*stored.rescale, stored.type, raw, grid_.type, out);
   }
 
   Facts facts() const override {
@@ -109,16 +110,6 @@ class StoredSource final : public VolumeSource {
   std::unique_ptr<EncodedBytes> bytes_;
 };
 
-class HalfSource final : public ForwardingSource {
- public:
-  using ForwardingSource::ForwardingSource;
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    std::vector<std::byte> halves(out.size() / 2);
-    ForwardingSource::read_slices(first, count, halves);
-    widen_halves(halves, out);
-  }
-};
-
 }  // namespace
 
 const NumberType* number_type(std::string_view name) {
@@ -168,24 +159,23 @@ void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> i
   });
 }
 
-void StoredVoxels::choose(std::uint64_t bytes, std::uint64_t count, std::uint64_t index) {
-  const auto total = bytes_of_volumes(file, bytes, count, before());
+void StoredVoxels::choose(std::uint64_t bytes, std::int64_t count, std::int64_t index) {
+  const auto total = bytes_of_volumes(file, bytes, std::uint64_t(count), before());
   const auto size = InputFile(file).size();
   if (encoding == Encoding::deflate)
     require_compressed_bytes(file, size, total, deflate_best_ratio);
   else
     require_bytes(file, size, before(), total - before());
-  before() += index * bytes;
+  before() += std::uint64_t(index) * bytes;
+}
+
+void StoredVoxels::read_head(std::span<std::byte> head) const {
+  const InputFile input(file);
+  encoded_bytes(input, encoding, 0, input.size())->read(0, head);
 }
 
 StoredVoxels stored_in(const std::filesystem::path& file) {
   return {.file = file, .encoding = is_gzip(file) ? Encoding::deflate : Encoding::raw};
-}
-
-std::unique_ptr<VolumeSource> half_source(std::unique_ptr<VolumeSource> halves) {
-  Grid grid = halves->grid();
-  grid.type = ScalarType::float32;
-  return std::make_unique<HalfSource>(std::move(halves), grid);
 }
 
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces) {

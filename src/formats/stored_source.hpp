@@ -46,6 +46,7 @@ struct StoredVoxels {
   std::uint64_t end = file_end;       ///< the byte of the file that text ends before
   bool big_endian = false;
   ScalarType type = ScalarType::uint8;
+  bool half = false;  ///< they are binary16, `type` is uint16 and grid.type float32
   /// When set, grid.type is one that holds what it makes of the values.
   std::optional<Rescale> rescale = std::nullopt;
 
@@ -53,7 +54,9 @@ struct StoredVoxels {
   std::uint64_t& before() { return encoding == Encoding::deflate ? skip : offset; }
   /// Of `count` volumes of `bytes` bytes, one behind another, makes it the volume `index`. Throws InputError
   /// when the file cannot hold them all.
-  void choose(std::uint64_t bytes, std::uint64_t count, std::uint64_t index);
+  void choose(std::uint64_t bytes, std::int64_t count, std::int64_t index);
+  /// Fills `head` with the first bytes of what the file holds.
+  void read_head(std::span<std::byte> head) const;
 };
 
 /// Voxels of a file that gzip may have compressed.
@@ -64,8 +67,5 @@ StoredVoxels stored_in(const std::filesystem::path& file);
 /// others in order and keeps only a window and the slices asked for. Opens every file, so that one which is
 /// missing, or too short for the grid (a compressed one at deflate's best ratio), is an InputError at once.
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces);
-
-/// The float32 volume of a source of binary16 numbers, which says that they are uint16.
-std::unique_ptr<VolumeSource> half_source(std::unique_ptr<VolumeSource> halves);
 
 }  // namespace ringsplat::detail

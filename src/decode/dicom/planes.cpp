@@ -216,7 +216,7 @@ DicomStack stack_planes(const std::vector<DicomPlane>& planes, const DicomPlacin
   DicomStack stack;
   stack.frames = int(places.front().size());
   const auto frame =
-      std::size_t(chosen_frame({.frame = placing.frame}, stack.frames, "time points", placing.where));
+      std::size_t(chosen_frame({.frame = placing.frame}, stack.frames, placing.where, "time points"));
   Images images;
   std::vector<glm::dvec3> positions;
   for (const auto& place : places) {

@@ -154,7 +154,7 @@ Iterations choose_iteration(hid_t file, const std::filesystem::path& path, const
   const auto numbers = iterations_in(file, base.substr(0, at), base.substr(at + 2));
   if (numbers.empty()) return all;
   all.count = int(numbers.size());
-  const int frame = chosen_frame(choice, all.count, "iterations", path.string());
+  const int frame = chosen_frame(choice, all.count, path, "iterations");
   all.group = base.substr(0, at) + fmt::format("{}", numbers[std::size_t(frame)]);
   return all;
 }

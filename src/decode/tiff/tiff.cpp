@@ -93,7 +93,7 @@ Taken take(const TiffFile& file, const VolumeChoice& choice) {
   if (file.samples > 1 && !grey_and_alpha)
     taken.sample =
         choose_channel(of_samples, file.samples, file.samples == 3 || file.samples == most_colours, where);
-  taken.frame = chosen_frame(choice, int(file.microscopy.frames), "time points", where);
+  taken.frame = chosen_frame(choice, int(file.microscopy.frames), where, "time points");
   return taken;
 }
 

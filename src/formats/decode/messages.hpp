@@ -104,7 +104,7 @@ void fields(VolumeNotes& notes, Archive& archive) {
 template <class Archive>
 void fields(detail::StoredVoxels& stored, Archive& archive) {
   archive(stored.file, stored.offset, stored.encoding, stored.skip, stored.end, stored.big_endian,
-          stored.type, stored.rescale);
+          stored.type, stored.half, stored.rescale);
 }
 template <class Archive>
 void fields(detail::DecodedVolume& volume, Archive& archive) {

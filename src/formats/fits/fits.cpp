@@ -159,8 +159,7 @@ std::unique_ptr<VolumeSource> open_fits(const std::filesystem::path& path, const
   const auto unit = place(header, axes, grid);
   check_lattice(grid, path.string());
   stored.before() = header.end();
-  const int frame = chosen_frame(choice, int(frames), "volumes", path.string());
-  stored.choose(grid.bytes(), std::uint64_t(frames), std::uint64_t(frame));
+  stored.choose(grid.bytes(), frames, chosen_frame(choice, int(frames), path));
   const Rescale rescale{header.real("BSCALE", 1), header.real("BZERO", 0)};
   if (rescale.slope != 1 || rescale.intercept != 0) {
     stored.rescale = rescale;

@@ -332,7 +332,7 @@ std::unique_ptr<VolumeSource> source_of(const MetaHeader& header, const Grid& gr
                       .type = grid.type};
   const auto total = bytes_of_volumes(header.path, grid.bytes(), std::uint64_t(header.frames));
   stored.offset = voxel_offset(header, file, total);
-  if (header.binary) stored.choose(grid.bytes(), std::uint64_t(header.frames), std::uint64_t(frame));
+  if (header.binary) stored.choose(grid.bytes(), header.frames, frame);
   return stored_source(grid, {stored});
 }
 
@@ -341,7 +341,7 @@ std::unique_ptr<VolumeSource> source_of(const MetaHeader& header, const Grid& gr
 std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path, const VolumeChoice& choice) {
   const auto header = MetaReader(path).read();
   const auto wide = interleaved_grid(header.grid, header.channels, path.string());
-  auto source = source_of(header, wide, std::clamp(choice.frame.value_or(0), 0, header.frames - 1));
+  auto source = source_of(header, wide, chosen_frame(choice, header.frames, path));
   source = channel_source(std::move(source), header.grid, header.channels, choice.channel, path.string());
   return with_notes(
       std::move(source),

@@ -45,10 +45,9 @@ void place(const BinaryFields& header, Grid& grid) {
 
 std::unique_ptr<VolumeSource> open_mgh(const std::filesystem::path& path, const VolumeChoice& choice) {
   std::vector<std::byte> bytes(284);
-  const InputFile file(path);
   auto stored = stored_in(path);
   stored.big_endian = true;
-  encoded_bytes(file, stored.encoding, 0, file.size())->read(0, bytes);
+  stored.read_head(bytes);
   const BinaryFields header(bytes, stored.big_endian);
   if (const int version = header.at<int>(0); version != 1)
     refuse(path, hint, "its version is {}, not 1", version);
@@ -60,8 +59,7 @@ std::unique_ptr<VolumeSource> open_mgh(const std::filesystem::path& path, const 
   place(header, grid);
   check_lattice(grid, path.string());
   stored.before() = bytes.size();
-  const int frame = chosen_frame(choice, frames, "volumes", path.string());
-  stored.choose(grid.bytes(), std::uint64_t(frames), std::uint64_t(frame));
+  stored.choose(grid.bytes(), frames, chosen_frame(choice, frames, path));
   return with_notes(stored_source(grid, {stored}), {.world = World::patient, .unit = "mm", .frames = frames});
 }
 

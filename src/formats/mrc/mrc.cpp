@@ -78,8 +78,7 @@ Grid grid_of(const MrcHeader& header, const std::filesystem::path& path) {
 std::unique_ptr<VolumeSource> open_mrc(const std::filesystem::path& path, const VolumeChoice& choice) {
   MrcHeader header;
   auto stored = stored_in(path);
-  const InputFile file(path);
-  encoded_bytes(file, stored.encoding, 0, file.size())->read(0, header.bytes);
+  stored.read_head(header.bytes);
   // Some writers leave the stamp of the byte order out; columns are fewer than 2^16.
   header.big_endian = BinaryFields(header.bytes, true).at<unsigned>(0) < header.word<unsigned>(1);
   Grid grid = grid_of(header, path);
@@ -95,12 +94,11 @@ std::unique_ptr<VolumeSource> open_mrc(const std::filesystem::path& path, const 
   stored.before() = header.bytes.size() + std::uint64_t(extended);
   stored.big_endian = header.big_endian;
   stored.type = grid.type;
-  const int frame = chosen_frame(choice, frames, "volumes", path.string());
-  stored.choose(grid.bytes(), std::uint64_t(frames), std::uint64_t(frame));
-  auto source = stored_source(grid, {stored});
-  if (header.word(4) == half) source = half_source(std::move(source));
+  stored.choose(grid.bytes(), frames, chosen_frame(choice, frames, path));
+  stored.half = header.word(4) == half;
+  if (stored.half) grid.type = ScalarType::float32;
   const bool sized = header.reals(11) != glm::dvec3(0);
-  return with_notes(std::move(source), {.unit = sized ? "angstrom" : "", .frames = frames});
+  return with_notes(stored_source(grid, {stored}), {.unit = sized ? "angstrom" : "", .frames = frames});
 }
 
 }  // namespace ringsplat::detail

@@ -72,23 +72,24 @@ std::filesystem::path header_file(const std::filesystem::path& path) {
   return beside.replace_extension(capitals ? ".HDR" : ".hdr");
 }
 
+bool says_version_2(std::span<const std::byte> bytes, bool big_endian) {
+  return bytes.size() > sizeof(std::int32_t) &&
+         BinaryFields(bytes, big_endian).at<std::int32_t>(0) == int(bytes_of_version[2]);
+}
+
 /// The header's bytes, of what the file holds compressed where it is.
 std::vector<std::byte> header_bytes(const std::filesystem::path& path) {
   std::vector<std::byte> bytes(bytes_of_version[2]);
-  const InputFile file(path);
-  if (!is_gzip(path)) {
-    bytes.resize(file.read_some(0, bytes));
+  const auto stored = stored_in(path);
+  if (stored.encoding == Encoding::raw) {
+    bytes.resize(InputFile(path).read_some(0, bytes));
     return bytes;
   }
-  const auto inflated = encoded_bytes(file, Encoding::deflate, 0);
-  const auto shorter = std::span(bytes).first(bytes_of_version[1]);
-  inflated->read(0, shorter);
-  const bool longer = BinaryFields(bytes, false).at<std::int32_t>(0) == int(bytes.size()) ||
-                      BinaryFields(bytes, true).at<std::int32_t>(0) == int(bytes.size());
-  if (longer)
-    inflated->read(shorter.size(), std::span(bytes).subspan(shorter.size()));
-  else
-    bytes.resize(shorter.size());
+  bytes.resize(bytes_of_version[1]);
+  stored.read_head(bytes);
+  if (!says_version_2(bytes, false) && !says_version_2(bytes, true)) return bytes;
+  bytes.resize(bytes_of_version[2]);
+  stored.read_head(bytes);
   return bytes;
 }
 
@@ -256,8 +257,7 @@ NiftiHeader read_nifti_header(const std::filesystem::path& path) {
   const auto bytes = header_bytes(header.path);
   for (const bool big_endian : {false, true}) {
     header.big_endian = big_endian;
-    if (bytes.size() > sizeof(std::int32_t) &&
-        BinaryFields(bytes, big_endian).at<std::int32_t>(0) == int(bytes_of_version[2])) {
+    if (says_version_2(bytes, big_endian)) {
       read_version_2(bytes, header);
       return header;
     }
@@ -364,9 +364,9 @@ std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, cons
       channels > 1 ? choose_channel(choice.channel, channels, voxel.colours > 1, where) : ChannelChoice{};
   // Volumes of time points follow each other, those of a further vector component follow all time points of
   // the one before.
-  const int frame = std::clamp(choice.frame.value_or(0), 0, frames - 1);
-  const auto vector = std::uint64_t(vectors > 1 ? taken.index.value_or(0) : 0), times = std::uint64_t(frames);
-  stored.choose(wide.bytes(), times * std::uint64_t(vectors), vector * times + std::uint64_t(frame));
+  const std::int64_t vector = vectors > 1 ? taken.index.value_or(0) : 0;
+  stored.choose(wide.bytes(), std::int64_t{frames} * vectors,
+                vector * frames + chosen_frame(choice, frames, path));
   if (voxel.colours > 1) stored.rescale.reset();  // the standard: not for colours
   if (stored.rescale && grid.type != ScalarType::float64) grid.type = wide.type = ScalarType::float32;
   auto source = channel_source(stored_source(wide, {stored}), grid, voxel.colours, taken);

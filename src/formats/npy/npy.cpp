@@ -166,17 +166,16 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
     std::swap(grid.direction[0], grid.direction[2]);
   }
   check_lattice(grid, path.string());
-  const auto wide = interleaved_grid(grid, axes.components, path.string());
-  StoredVoxels stored{
-      .file = path, .offset = header.end, .big_endian = header.big_endian, .type = header.type};
-  const int frame = std::clamp(choice.frame.value_or(0), 0, axes.frames - 1);
-  stored.choose(wide.bytes(), std::uint64_t(axes.frames), std::uint64_t(frame));
-  auto source = stored_source(wide, {stored});
-  if (header.half) {
-    grid.type = ScalarType::float32;
-    source = half_source(std::move(source));
-  }
-  source = channel_source(std::move(source), grid, axes.components, choice.channel, path.string());
+  auto wide = interleaved_grid(grid, axes.components, path.string());
+  StoredVoxels stored{.file = path,
+                      .offset = header.end,
+                      .big_endian = header.big_endian,
+                      .type = header.type,
+                      .half = header.half};
+  stored.choose(wide.bytes(), axes.frames, chosen_frame(choice, axes.frames, path));
+  if (header.half) grid.type = wide.type = ScalarType::float32;
+  auto source =
+      channel_source(stored_source(wide, {stored}), grid, axes.components, choice.channel, path.string());
   return with_notes(std::move(source), {.frames = axes.frames, .channels = axes.components});
 }
 

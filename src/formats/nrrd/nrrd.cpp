@@ -30,10 +30,10 @@ struct Layout {
   Grid grid;        ///< in left-posterior-superior where the header tells the patient's axes
   int leading = 1;  ///< numbers in a voxel
   Axis leading_is = Axis::none;
-  int frames = 1, channels = 1;                        ///< of all axes
-  std::uint64_t frame_stride = 0, channel_stride = 0;  ///< of axes behind, in volumes
-  std::uint64_t volumes = 1;                           ///< of all axes behind
-  bool colours = false;                                ///< the leading axis is of red, green, blue and alpha
+  int frames = 1, channels = 1;                       ///< of all axes
+  std::int64_t frame_stride = 0, channel_stride = 0;  ///< of axes behind, in volumes
+  std::int64_t volumes = 1;                           ///< of all axes behind
+  bool colours = false;                               ///< the leading axis is of red, green, blue and alpha
 };
 
 using Role = Layout::Axis;
@@ -103,7 +103,7 @@ void place(const NrrdHeader& header, const std::vector<const NrrdAxis*>& axes, G
   for (int i = 0; placed && i < int(axes.size()); ++i) grid.origin[i] = first_centre(*axes[std::size_t(i)]);
 }
 
-void take_role(const NrrdHeader& header, Layout& layout, Role role, int size, std::uint64_t stride) {
+void take_role(const NrrdHeader& header, Layout& layout, Role role, int size, std::int64_t stride) {
   int& count = role == Role::frames ? layout.frames : layout.channels;
   if (count > 1)
     header.fail(role == Role::frames ? "it has two axes of volumes" : "it has two axes of components");
@@ -139,7 +139,7 @@ Layout layout_of(const NrrdHeader& header) {
   for (auto i = lattice.back() + 1; i < header.axes.size(); ++i) {
     const int size = header.axes[i].size;
     if (size > 1) take_role(header, layout, role_of(header.axes, i), size, layout.volumes);
-    layout.volumes *= std::uint64_t(size);
+    layout.volumes *= size;
   }
   return layout;
 }
@@ -248,14 +248,14 @@ std::unique_ptr<VolumeSource> source_of(const NrrdHeader& header, const Layout& 
     refuse(where, "write it anew in one file with encoding gzip or raw",
            "several volumes or components as {}", files.size() > 1 ? "several files" : "text");
   const auto wide = interleaved_grid(layout.grid, layout.leading, where);
-  auto stored = stored_in(header, files[0], bytes_of_volumes(header.path, wide.bytes(), layout.volumes));
-  const int frame = std::clamp(choice.frame.value_or(0), 0, layout.frames - 1);
+  auto stored =
+      stored_in(header, files[0], bytes_of_volumes(header.path, wide.bytes(), std::uint64_t(layout.volumes)));
+  const int frame = chosen_frame(choice, layout.frames, where);
   const auto channel = layout.channels > 1
                            ? choose_channel(choice.channel, layout.channels, layout.colours, where)
                            : ChannelChoice{.index = 0};
-  const auto volume = std::uint64_t(frame) * layout.frame_stride +
-                      std::uint64_t(channel.index.value_or(0)) * layout.channel_stride;
-  stored.choose(wide.bytes(), layout.volumes, volume);
+  stored.choose(wide.bytes(), layout.volumes,
+                frame * layout.frame_stride + channel.index.value_or(0) * layout.channel_stride);
   const bool of_frames = layout.leading_is == Layout::Axis::frames;
   return channel_source(stored_source(wide, {stored}), layout.grid, layout.leading,
                         of_frames ? ChannelChoice{.index = frame} : channel);
