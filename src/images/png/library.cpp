@@ -28,39 +28,35 @@ struct PngError {
 
 [[noreturn]] void leave(png_structp png, png_const_charp text) {
   auto* const error = static_cast<PngError*>(png_get_error_ptr(png));
-  std::snprintf(error->text.data(), error->text.size(), "%s", text);
+  std::snprintf(error->text.data(), error->text.size(), "libpng: %s", text);
   png_longjmp(png, 1);
 }
 
 void ignore_warning(png_structp, png_const_charp) {}
 
-std::string unless_empty(const PngError& error, const char* otherwise) {
-  return error.text[0] != '\0' ? error.text.data() : otherwise;
-}
+constexpr int in_native_order =
+    std::endian::native == std::endian::little ? PNG_TRANSFORM_SWAP_ENDIAN : PNG_TRANSFORM_IDENTITY;
 
 /// Copies the first `channels` of each pixel; false when they cannot be read as that type.
 template <class Stored>
-bool convert(const std::vector<png_byte>& from, int stored_channels, int channels, SampleType type,
-             void* samples) {
-  const bool same = type == (sizeof(Stored) == 1 ? SampleType::uint8 : SampleType::uint16);
+bool convert(const ImageShape& shape, png_bytepp rows, int channels, SampleType type, void* samples) {
+  const bool same = type == shape.type;
   if (!same && type != SampleType::float32) return false;
   constexpr float step = 1.0F / float(std::numeric_limits<Stored>::max());
-  const std::size_t pixel_bytes = sizeof(Stored) * std::size_t(stored_channels);
   std::size_t place = 0;
-  for (std::size_t at = 0; at < from.size(); at += pixel_bytes)
-    for (int c = 0; c < channels; ++c, ++place) {
-      Stored value{};
-      std::memcpy(&value, from.data() + at + std::size_t(c) * sizeof(Stored), sizeof(Stored));
-      if (same)
-        static_cast<Stored*>(samples)[place] = value;
-      else
-        static_cast<float*>(samples)[place] = float(value) * step;
-    }
+  for (int y = 0; y < shape.height; ++y)
+    for (int x = 0; x < shape.width; ++x)
+      for (int c = 0; c < channels; ++c, ++place) {
+        const Stored value = reinterpret_cast<const Stored*>(rows[y])[x * shape.channels + c];
+        if (same)
+          static_cast<Stored*>(samples)[place] = value;
+        else
+          static_cast<float*>(samples)[place] = float(value) * step;
+      }
   return true;
 }
 
-/// A file whose pixels come as 8 or 16 bits a channel, whatever they are in it. They are read when they are
-/// first asked for.
+/// A file whose pixels come as 8 or 16 bits a channel, whatever they are in it.
 class PngFile final : public ImageFile {
  public:
   PngFile() = default;
@@ -71,7 +67,7 @@ class PngFile final : public ImageFile {
   PngFile(const PngFile&) = delete;
   PngFile& operator=(const PngFile&) = delete;
 
-  /// Reads all before the pixels. Returns what went wrong, or an empty text.
+  /// Returns what went wrong, or an empty text.
   std::string open(const std::string& path) {
     file_ = std::fopen(path.c_str(), "rb");
     if (file_ == nullptr) return std::strerror(errno);
@@ -82,7 +78,7 @@ class PngFile final : public ImageFile {
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &error_, leave, ignore_warning);
     info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
     if (info_ == nullptr) return no_memory;
-    return read_header() ? std::string() : unless_empty(error_, "damaged header");
+    return read_all() ? std::string() : error_.text.data();
   }
 
   bool seek(int image) override { return image == 0; }
@@ -109,43 +105,23 @@ class PngFile final : public ImageFile {
     return name == "oiio:UnassociatedAlpha" && shape().alpha_channel >= 0 ? 1 : 0;
   }
 
-  std::string read(int image, int channels, SampleType type, void* samples) override try {
+  std::string read(int image, int channels, SampleType type, void* samples) override {
     if (image != 0) return "a PNG holds one image";
-    if (samples_.empty() && !read_rows()) {
-      samples_.clear();
-      return unless_empty(error_, "damaged pixels");
-    }
-    const int stored = png_get_channels(png_, info_);
-    const bool done = is_wide() ? convert<std::uint16_t>(samples_, stored, channels, type, samples)
-                                : convert<std::uint8_t>(samples_, stored, channels, type, samples);
+    png_bytepp rows = png_get_rows(png_, info_);
+    const bool done = is_wide() ? convert<std::uint16_t>(shape(), rows, channels, type, samples)
+                                : convert<std::uint8_t>(shape(), rows, channels, type, samples);
     return done ? std::string() : "its samples cannot be read as this type";
-  } catch (const std::exception& error) {
-    return error.what();
   }
 
  private:
   bool is_wide() const { return png_get_bit_depth(png_, info_) == 16; }
 
-  bool read_header() {
+  bool read_all() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_init_io(png_, file_);
     png_set_sig_bytes(png_, 8);
-    png_read_info(png_, info_);
-    png_set_expand(png_);  // palettes, 1 to 4 bits, a transparent colour
-    if (std::endian::native == std::endian::little) png_set_swap(png_);
-    png_set_interlace_handling(png_);
-    png_read_update_info(png_, info_);
-    return true;
-  }
-
-  bool read_rows() {
-    const std::size_t row = png_get_rowbytes(png_, info_);
-    samples_.resize(row * png_get_image_height(png_, info_));
-    rows_.clear();
-    for (std::size_t at = 0; at < samples_.size(); at += row) rows_.push_back(samples_.data() + at);
-    if (setjmp(png_jmpbuf(png_)) != 0) return false;
-    png_read_image(png_, rows_.data());
-    png_read_end(png_, nullptr);
+    // It expands palettes, 1 to 4 bits and a transparent colour.
+    png_read_png(png_, info_, PNG_TRANSFORM_EXPAND | in_native_order, nullptr);
     return true;
   }
 
@@ -153,8 +129,6 @@ class PngFile final : public ImageFile {
   std::FILE* file_ = nullptr;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
-  std::vector<png_byte> samples_;
-  std::vector<png_bytep> rows_;
 };
 
 /// Writes into memory; what is used behind setjmp lies in members.
@@ -176,7 +150,7 @@ class PngWriter {
     png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, &error_, leave, ignore_warning);
     info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
     if (info_ == nullptr) return no_memory;
-    return write_all() ? std::string() : unless_empty(error_, "libpng failed");
+    return write_all() ? std::string() : error_.text.data();
   }
 
  private:
@@ -223,10 +197,8 @@ class PngWriter {
     constexpr int run_lengths = 3;  // zlib's Z_RLE; both as images/image_io.cpp has them of OpenImageIO
     png_set_compression_strategy(png_, run_lengths);
     png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
-    png_write_info(png_, info_);
-    if (bytes_a_sample() == 2 && std::endian::native == std::endian::little) png_set_swap(png_);
-    png_write_image(png_, rows_.data());
-    png_write_end(png_, info_);
+    png_set_rows(png_, info_, rows_.data());
+    png_write_png(png_, info_, in_native_order, nullptr);
     return true;
   }
 
