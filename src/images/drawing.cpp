@@ -103,16 +103,12 @@ std::string find_font() {
 
 }  // namespace
 
-const std::string& text_font() {
-  static const std::string found = find_font();
-  return found;
-}
-
 Mask text_mask(const std::string& text, int pixels) {
+  static const std::string font = find_font();
   Mask drawn;
-  const std::string problem = image_library().draw_text(text, pixels, text_font(), drawn);
+  const std::string problem = image_library().draw_text(text, pixels, font, drawn);
   if (!problem.empty())
-    throw InputError(fmt::format("no text can be drawn with {}: {}", text_font(), problem),
+    throw InputError(fmt::format("no text can be drawn with {}: {}", font, problem),
                      "name another TrueType font in RINGSPLAT_FONT");
   return drawn;
 }

@@ -22,11 +22,8 @@ struct Patch {
 };
 using Overlay = std::vector<Patch>;  ///< the last one is on top
 
-/// The font that texts are drawn with: the file that RINGSPLAT_FONT names, or a usual sans serif. Throws
-/// InputError when there is none.
-const std::string& text_font();
-/// A line of UTF-8 in letters whose nominal height is `pixels`. Its baseline begins at (0, 0). Throws
-/// InputError when the font cannot be used.
+/// A line of UTF-8 in letters whose nominal height is `pixels`, in the font that RINGSPLAT_FONT names, or a
+/// usual sans serif. Its baseline begins at (0, 0). Throws InputError when there is no font that can be used.
 Mask text_mask(const std::string& text, int pixels);
 /// A line `thickness` pixels wide between two places; pixel centres lie at integers + ½.
 Mask line_mask(const glm::dvec2& from, const glm::dvec2& to, double thickness);
