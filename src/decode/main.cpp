@@ -15,7 +15,6 @@
 
 #include "base/log.hpp"
 #include "base/text.hpp"
-#include "decode/progress.hpp"
 #include "decode/readers.hpp"
 #include "formats/decode/messages.hpp"
 

@@ -1,4 +1,4 @@
-#include "decode/progress.hpp"
+#include "decode/readers.hpp"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -7,7 +7,7 @@
 #include <fstream>
 #include <thread>
 
-namespace ringsplat::decode {
+namespace ringsplat::detail {
 namespace {
 
 void set_limit(__rlimit_resource resource, rlim_t amount) {
@@ -49,4 +49,4 @@ void progress(std::uint64_t bytes) {
   limit_memory(bytes);
 }
 
-}  // namespace ringsplat::decode
+}  // namespace ringsplat::detail

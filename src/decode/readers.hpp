@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,5 +18,10 @@ std::unique_ptr<VolumeSource> read_hdf5(const std::filesystem::path& path, const
 std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const VolumeChoice& choice);
 /// A folder's series, or the series of one file.
 std::unique_ptr<VolumeSource> read_dicom(const std::filesystem::path& path, const VolumeChoice& choice);
+
+/// Gives this process ten more seconds of the processor's time and two more gigabytes of memory, and what
+/// reading `bytes` may need of both. When the time is over the system ends it; more memory is not there.
+/// Called whenever something was read, so that what comes to no end is ended, and nothing else.
+void progress(std::uint64_t bytes = 0);
 
 }  // namespace ringsplat::detail

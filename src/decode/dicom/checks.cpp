@@ -7,7 +7,6 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
-#include <string_view>
 #include <utility>
 
 #include "base/text.hpp"

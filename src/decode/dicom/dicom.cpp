@@ -9,11 +9,10 @@
 #include <vector>
 
 #include "base/log.hpp"
-#include "base/text.hpp"
+#include "base/printable.hpp"
 #include "decode/dicom/image.hpp"
 #include "decode/dicom/planes.hpp"
 #include "decode/dicom/series.hpp"
-#include "decode/progress.hpp"
 #include "decode/readers.hpp"
 #include "formats/formats.hpp"
 #include "formats/volume_files.hpp"
@@ -147,7 +146,7 @@ std::vector<DicomFrame> images_of(const DicomSeries& series) {
   std::vector<DicomFrame> images;
   std::vector<InputError> problems;
   for (const auto& header : series.images) {
-    decode::progress(std::filesystem::file_size(header.file));
+    progress(std::filesystem::file_size(header.file));
     try {
       if (const auto image = DicomImage::open(header.file))
         images.push_back({header.file, image->grid(), {image->grid().origin, header.times}});

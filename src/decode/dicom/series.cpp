@@ -14,7 +14,7 @@
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "decode/dicom/checks.hpp"
-#include "decode/progress.hpp"
+#include "decode/readers.hpp"
 #include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -143,7 +143,7 @@ std::vector<DicomSeries> find_series(const fs::path& folder, bool deep) {
   std::size_t copies = 0;
   std::vector<InputError> problems;
   for (const auto& file : files_in(folder, deep)) {
-    decode::progress(fs::file_size(file));
+    progress(fs::file_size(file));
     try {
       if (auto image = read_header(file)) {
         const auto& instance = image->images.front().instance;

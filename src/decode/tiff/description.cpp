@@ -8,7 +8,6 @@
 #include <set>
 #include <span>
 #include <string_view>
-#include <utility>
 
 #include "base/hex_colour.hpp"
 #include "base/text.hpp"

@@ -18,7 +18,6 @@
 namespace ringsplat::detail {
 namespace {
 
-/// A directory (page) of a TIFF file.
 struct TiffPage {
   bool beside = false;   ///< a smaller copy of another page, or a mask
   bool palette = false;  ///< its pixels are indices of colours

@@ -10,7 +10,6 @@
 #include "base/log.hpp"
 #include "base/natural_order.hpp"
 #include "base/text.hpp"
-#include "decode/progress.hpp"
 #include "decode/readers.hpp"
 #include "decode/tiff/file.hpp"
 #include "formats/axes.hpp"
@@ -73,7 +72,6 @@ std::vector<std::filesystem::path> files_at(const std::filesystem::path& path) {
   return files;
 }
 
-/// What is taken of each file.
 struct Taken {
   std::int64_t channel = 0, frame = 0;  ///< of its planes
   ChannelChoice sample{0};              ///< of a pixel's numbers
@@ -146,7 +144,7 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
   Taken taken;
   std::vector<TiffSlice> slices;
   for (const auto& file_path : files_at(path)) {
-    decode::progress();
+    progress();
     const TiffFile file = read_tiff_file(file_path);
     if (file.planes.empty()) continue;
     if (!first) taken = take(file, choice);
