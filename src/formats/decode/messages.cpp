@@ -8,32 +8,24 @@
 namespace ringsplat::detail {
 namespace {
 
-bool send_all(int socket, std::span<const std::byte> bytes) {
+/// By calls of send() or recv(), of which each may do a part.
+template <class Buffer>
+bool pass_all(ssize_t (*call)(int, Buffer*, std::size_t, int), int socket, std::span<std::byte> bytes) {
   while (!bytes.empty()) {
-    const auto sent = ::send(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
-    if (sent < 0 && errno == EINTR) continue;
-    if (sent <= 0) return false;
-    bytes = bytes.subspan(std::size_t(sent));
-  }
-  return true;
-}
-
-bool receive_all(int socket, std::span<std::byte> bytes) {
-  while (!bytes.empty()) {
-    const auto got = ::recv(socket, bytes.data(), bytes.size(), 0);
-    if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
-    bytes = bytes.subspan(std::size_t(got));
+    const auto passed = call(socket, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (passed < 0 && errno == EINTR) continue;
+    if (passed <= 0) return false;
+    bytes = bytes.subspan(std::size_t(passed));
   }
   return true;
 }
 
 }  // namespace
 
-bool send_message(int socket, std::span<const std::byte> message) {
+bool send_message(int socket, Bytes message) {
   Bytes length;
   append(length, std::uint64_t(message.size()));
-  return send_all(socket, length) && send_all(socket, message);
+  return pass_all(::send, socket, length) && pass_all(::send, socket, message);
 }
 
 std::optional<Bytes> receive_message(int socket) {
@@ -41,9 +33,9 @@ std::optional<Bytes> receive_message(int socket) {
   std::uint64_t bytes = 0;
   std::size_t at = 0;
   constexpr std::uint64_t most = std::uint64_t{1} << 30;  // facts of all files that a folder may have
-  if (!receive_all(socket, length) || !take(length, at, bytes) || bytes > most) return {};
+  if (!pass_all(::recv, socket, length) || !take(length, at, bytes) || bytes > most) return {};
   Bytes message(static_cast<std::size_t>(bytes));
-  if (!receive_all(socket, message)) return {};
+  if (!pass_all(::recv, socket, message)) return {};
   return message;
 }
 

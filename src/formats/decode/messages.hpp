@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -67,7 +66,7 @@ constexpr DecodeRequest::Kind last_of(DecodeRequest::Kind) { return DecodeReques
 constexpr Encoding last_of(Encoding) { return Encoding::text; }
 
 /// Sends a message with its length before it; false when the other side is gone.
-bool send_message(int socket, std::span<const std::byte> message);
+bool send_message(int socket, Bytes message);
 /// Waits for the next one; nothing when the other side is gone.
 std::optional<Bytes> receive_message(int socket);
 
@@ -80,50 +79,33 @@ constexpr ScalarType last_of(ScalarType) { return ScalarType::float64; }
 constexpr LogLevel last_of(LogLevel) { return LogLevel::error; }
 constexpr ExitCode last_of(ExitCode) { return ExitCode::run_failed; }
 
-template <class Archive>
-void fields(VolumeChoice& choice, Archive& archive) {
+void fields(VolumeChoice& choice, auto& archive) {
   archive(choice.frame, choice.channel, choice.series, choice.memory);
 }
-template <class Archive>
-void fields(detail::DecodeRequest& r, Archive& archive) {
+void fields(detail::DecodeRequest& r, auto& archive) {
   archive(r.kind, r.source, r.first, r.count, r.format, r.folder, r.path, r.choice);
 }
-template <class Archive>
-void fields(Grid& grid, Archive& archive) {
+void fields(Grid& grid, auto& archive) {
   archive(grid.dims, grid.spacing, grid.origin, grid.direction, grid.type);
 }
-template <class Archive>
-void fields(ChannelNotes& notes, Archive& archive) {
+void fields(ChannelNotes& notes, auto& archive) {
   archive(notes.name, notes.colour, notes.window, notes.hidden);
 }
-template <class Archive>
-void fields(VolumeNotes& notes, Archive& archive) {
+void fields(VolumeNotes& notes, auto& archive) {
   archive(notes.world, notes.unit, notes.quantity, notes.modality, notes.fill, notes.labels, notes.frames,
           notes.channels, notes.of_channels, notes.series);
 }
-template <class Archive>
-void fields(detail::StoredVoxels& stored, Archive& archive) {
+void fields(detail::StoredVoxels& stored, auto& archive) {
   archive(stored.file, stored.offset, stored.encoding, stored.skip, stored.end, stored.big_endian,
           stored.type, stored.half, stored.rescale);
 }
-template <class Archive>
-void fields(detail::DecodedVolume& volume, Archive& archive) {
+void fields(detail::DecodedVolume& volume, auto& archive) {
   archive(volume.grid, volume.concurrent, volume.layer_depth, volume.notes, volume.in_place);
 }
-template <class Archive>
-void fields(Fact& fact, Archive& archive) {
-  archive(fact.field, fact.value);
-}
-template <class Archive>
-void fields(detail::DecodeAnswer::LogLine& line, Archive& archive) {
-  archive(line.level, line.text);
-}
-template <class Archive>
-void fields(detail::DecodeAnswer::Failure& failure, Archive& archive) {
-  archive(failure.code, failure.what);
-}
-template <class Archive>
-void fields(detail::DecodeAnswer& answer, Archive& archive) {
+void fields(Fact& fact, auto& archive) { archive(fact.field, fact.value); }
+void fields(detail::DecodeAnswer::LogLine& line, auto& archive) { archive(line.level, line.text); }
+void fields(detail::DecodeAnswer::Failure& failure, auto& archive) { archive(failure.code, failure.what); }
+void fields(detail::DecodeAnswer& answer, auto& archive) {
   archive(answer.log, answer.failure, answer.volume, answer.facts);
 }
 
