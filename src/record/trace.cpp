@@ -13,13 +13,11 @@
 
 namespace ringsplat {
 
-template <class Archive>
-void fields(ClockOffset& clock, Archive& archive) {
+void fields(ClockOffset& clock, auto& archive) {
   archive(clock.at, clock.offset, clock.uncertainty, clock.common);
 }
 
-template <class Archive>
-void fields(NodeRecord& record, Archive& archive) {
+void fields(NodeRecord& record, auto& archive) {
   archive(record.node, record.full, record.spans, record.marks);
 }
 
