@@ -1,7 +1,5 @@
 #include "formats/pieces.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
 #include <glm/vector_relational.hpp>

@@ -17,7 +17,6 @@
 namespace ringsplat::detail {
 namespace {
 
-/// Throws InputError when the file cannot hold `bytes` bytes of voxels.
 void require_room(const StoredVoxels& stored, std::uint64_t size, std::uint64_t bytes) {
   if (stored.encoding == Encoding::deflate)
     return require_compressed_bytes(stored.file, size - std::min(size, stored.offset), bytes,

@@ -7,7 +7,6 @@
 namespace ringsplat::detail {
 namespace {
 
-/// Blanks and commas.
 bool separates_numbers(char c) { return c == ',' || std::isspace(static_cast<unsigned char>(c)) != 0; }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "base/input_file.hpp"
-#include "base/log.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "decode/hdf5/datasets.hpp"
@@ -25,7 +24,6 @@ namespace {
 
 using namespace hdf5;
 
-/// What is read of a dataset.
 struct Selection {
   std::filesystem::path file;
   std::string dataset, where;  ///< its path in the file; both, for messages

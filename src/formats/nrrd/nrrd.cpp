@@ -54,7 +54,6 @@ Role role_of(const Axes& axes, std::size_t axis) {
   return kind == NrrdKind::channels || kind == NrrdKind::colours ? Role::channels : Role::frames;
 }
 
-/// The lattice's axes, at most three.
 std::vector<std::size_t> lattice_axes(const NrrdHeader& header) {
   std::vector<std::size_t> axes;
   for (std::size_t i = 0; i < header.axes.size(); ++i)

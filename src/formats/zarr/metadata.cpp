@@ -11,7 +11,6 @@
 #include <limits>
 #include <numeric>
 
-#include "base/byte_order.hpp"
 #include "base/input_file.hpp"
 #include "base/text.hpp"
 #include "formats/stored_source.hpp"

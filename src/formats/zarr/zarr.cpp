@@ -29,7 +29,6 @@ using Role = DatasetAxis::Role;
 /// A GP may hold its slices along three axes.
 constexpr int slice_sets = 3;
 
-/// The file that holds a place.
 std::filesystem::path file_of(const Node& node, const Array& array, const Sizes& place) {
   std::string name = array.prefix;
   for (std::size_t i = 0; i < place.size(); ++i) {
@@ -251,7 +250,6 @@ void describe(const Node& group, const Json& image, const Json& level, DatasetMe
   use_micrometres(meaning);
 }
 
-/// Where a level of an image lies.
 std::filesystem::path folder_of(const Node& image, const std::string& level) {
   const auto path = std::filesystem::path(level).lexically_normal();
   if (path.is_absolute() || path.string().starts_with(".."))
@@ -275,7 +273,6 @@ Node only_one(const Node& group) {
          found.empty() ? "none" : "several: " + comma_list(found));
 }
 
-/// An array and what its axes mean.
 struct Level {
   Node node;
   Array array;
