@@ -212,12 +212,17 @@ WholeVolume read_whole(VolumeSource& source) {
             needed / (1 << 30), machine / (1 << 30)),
         "measure on a smaller volume");
   WholeVolume volume{{grid, truth::read_values(source)}, {}};
-  const auto bytes = std::as_bytes(std::span(volume.scene.values));
   const VolumeNotes notes = source.notes();
-  const Pass pass = [&](const RowVisitor& visit) { visit(bytes, grid.dims.x); };
+  const Pass pass = [&, of_slice = std::ptrdiff_t(grid.slice_voxels(Axis::z))](const RowVisitor& visit) {
+    visit_type(grid.type, [&](auto zero) {
+      for (auto at = volume.scene.values.begin(); at != volume.scene.values.end(); at += of_slice) {
+        const std::vector<decltype(zero)> slice(at, at + of_slice);  // as they were before they were widened
+        visit(std::as_bytes(std::span(slice)), grid.dims.x);
+      }
+    });
+  };
   Merging alone;
-  volume.statistics =
-      describe_values({grid.type, notes.fill, ScalarType::float64}, grid.dims, notes, pass, alone);
+  volume.statistics = describe_values({grid.type, notes.fill}, grid.dims, notes, pass, alone);
   return volume;
 }
 

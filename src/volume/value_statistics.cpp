@@ -140,7 +140,7 @@ void count_neighbours(ValueStatistics& s, const Pass& pass, Merging& merging) {
   };
   std::vector<std::uint64_t> counts(4);
   pass([&](std::span<const std::byte> rows, int width) {
-    for_values(s.kind.stored_as.value_or(s.kind.type), rows, [&](auto values) {
+    for_values(s.kind.type, rows, [&](auto values) {
       for (; values.size() >= std::size_t(width); values = values.subspan(std::size_t(width)))
         count_row(values.first(std::size_t(width)), place_of, counts);
     });

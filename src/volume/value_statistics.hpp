@@ -11,11 +11,10 @@
 
 namespace ringsplat {
 
-/// What the values of a volume are, and how a caller holds them.
+/// What the values of a volume are.
 struct ValueKind {
   ScalarType type = ScalarType::uint8;
-  std::optional<double> fill = std::nullopt;           ///< voxels of this value are not counted
-  std::optional<ScalarType> stored_as = std::nullopt;  ///< float64 where the caller has widened them
+  std::optional<double> fill = std::nullopt;  ///< voxels of this value are not counted
 };
 
 /// Calls `f(values)` with spans of `kind.type` that hold all values but the fill value, in order; returns how

@@ -44,34 +44,29 @@ std::size_t key_of_value(T value) {
     return key_of_float(narrowed(value));
 }
 
-/// Without the fill value, converted from `From` when the caller has widened them.
-template <class T, class From>
-std::uint64_t pass_on(std::span<const From> values, std::optional<double> fill,
-                      const std::function<void(std::span<const std::byte>)>& f) {
+template <class T>
+std::uint64_t pass_on_without(T fill, std::span<const T> values,
+                              const std::function<void(std::span<const std::byte>)>& f) {
   std::uint64_t filled = 0;
   std::vector<T> kept(std::min(values.size(), chunk_values));
   for (std::size_t first = 0; first < values.size(); first += chunk_values) {
     const auto part = values.subspan(first, std::min(chunk_values, values.size() - first));
-    std::size_t count = 0;
-    const T unwanted = fill ? static_cast<T>(*fill) : T{};
-    for (const From value : part) {
-      kept[count] = static_cast<T>(value);
-      count += !(fill && kept[count] == unwanted);
-    }
-    filled += part.size() - count;
-    f(std::as_bytes(std::span<const T>(kept.data(), count)));
+    const auto end = std::remove_copy(part.begin(), part.end(), kept.begin(), fill);
+    const std::span<const T> rest(kept.begin(), end);
+    filled += part.size() - rest.size();
+    f(std::as_bytes(rest));
   }
   return filled;
 }
 
 /// The fill value, if the type has it.
 template <class T>
-std::optional<double> fill_of(const ValueKind& kind) {
+std::optional<T> fill_of(const ValueKind& kind) {
   using Limits = std::numeric_limits<T>;
   const double fill = kind.fill.value_or(std::numeric_limits<double>::quiet_NaN());
   const bool held = fill >= double(Limits::lowest()) && fill <= double(Limits::max()) &&
                     (!std::is_integral_v<T> || fill == std::floor(fill));
-  return held ? kind.fill : std::nullopt;
+  return held ? std::optional(static_cast<T>(fill)) : std::nullopt;
 }
 
 }  // namespace
@@ -80,10 +75,7 @@ std::uint64_t for_each_unfilled(const ValueKind& kind, std::span<const std::byte
                                 const std::function<void(std::span<const std::byte>)>& f) {
   return visit_type(kind.type, [&](auto zero) -> std::uint64_t {
     using T = decltype(zero);
-    const auto fill = fill_of<T>(kind);
-    const bool widened = kind.stored_as == ScalarType::float64 && kind.type != ScalarType::float64;
-    if (widened) return pass_on<T>(typed<double>(values), fill, f);
-    if (fill) return pass_on<T>(typed<T>(values), fill, f);
+    if (const auto fill = fill_of<T>(kind)) return pass_on_without(*fill, typed<T>(values), f);
     f(values);
     return 0;
   });
