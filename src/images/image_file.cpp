@@ -114,8 +114,9 @@ bool may_be_cut(std::uint64_t written, const ImageData& image) {
   return limited && written + at_once > limit.rlim_cur;
 }
 
-/// `path` names the format, and the file to people.
-Bytes file_bytes(const std::string& path, const ImageData& image) {
+}  // namespace
+
+Bytes image_file_bytes(const std::string& path, const ImageData& image) {
   Bytes bytes;
   const detail::MemoryFile spare;
   const std::string problem = image_library().write(path, image, spare.path().string(), bytes);
@@ -130,16 +131,10 @@ Bytes file_bytes(const std::string& path, const ImageData& image) {
   return bytes;
 }
 
-}  // namespace
-
 void write_image_file(const std::filesystem::path& path, const ImageData& image) {
   OutputFile file(path);
-  file.write(file_bytes(path.string(), image));
+  file.write(image_file_bytes(path.string(), image));
   file.commit();
-}
-
-Bytes image_file_bytes(const std::string& ending, const ImageData& image) {
-  return file_bytes("picture" + ending, image);
 }
 
 }  // namespace ringsplat

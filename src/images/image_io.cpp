@@ -191,9 +191,9 @@ void write_image(const Image& image, const fs::path& file, const std::optional<g
 
 Bytes image_bytes(const Image& image, const std::string& ending, const std::optional<glm::dvec3>& background,
                   const std::string& settings, const Overlay& overlay) {
-  const fs::path file = "picture" + ending;
+  const std::string file = "picture" + ending;
   check_image_name(file, "the picture", !background);
-  return image_file_bytes(ending, FilePixels(image, *format_of(file), background, settings, overlay).data);
+  return image_file_bytes(file, FilePixels(image, *format_of(file), background, settings, overlay).data);
 }
 
 std::vector<std::uint8_t> display_bytes(const Image& image, const std::optional<glm::dvec3>& background,
