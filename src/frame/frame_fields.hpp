@@ -12,28 +12,24 @@ namespace ringsplat {
 template <class S, class Described>
 concept Describes = std::same_as<std::remove_const_t<S>, Described>;
 
-template <Describes<Camera> S, class Visit>
-void fields(S& camera, Visit&& visit) {
+void fields(Describes<Camera> auto& camera, auto&& visit) {
   auto& [azimuth, elevation, roll, zoom, matrix, fov, distance, pan, eye, target, up, fit] = camera;
   visit("azimuth", azimuth), visit("elevation", elevation), visit("roll", roll), visit("zoom", zoom);
   visit("matrix", matrix), visit("fov", fov), visit("distance", distance), visit("pan", pan);
   visit("eye", eye), visit("target", target), visit("up", up), visit("fit", fit);
 }
 
-template <Describes<TransferFunction> S, class Visit>
-void fields(S& function, Visit&& visit) {
+void fields(Describes<TransferFunction> auto& function, auto&& visit) {
   auto& [name, colours, opacities, nan_srgb] = function;
   visit("name", name), visit("colours", colours), visit("opacities", opacities), visit("nan", nan_srgb);
 }
 
-template <Describes<Reduction> S, class Visit>
-void fields(S& reduction, Visit&& visit) {
+void fields(Describes<Reduction> auto& reduction, auto&& visit) {
   auto& [factor, prefilter] = reduction;
   visit("undersample", factor), visit("prefilter", prefilter);
 }
 
-template <Describes<Shown> S, class Visit>
-void fields(S& shown, Visit&& visit) {
+void fields(Describes<Shown> auto& shown, auto&& visit) {
   auto& [camera, width, height, transfer_function, interpolation, mode, isovalue, values, shading, material,
          light, opacity_correction, opaque_threshold, reduction, clip] = shown;
   visit("camera", camera), visit("width", width), visit("height", height);
@@ -44,35 +40,30 @@ void fields(S& shown, Visit&& visit) {
   visit("opaque_threshold", opaque_threshold), visit("reduction", reduction), visit("clip", clip);
 }
 
-template <Describes<KernelOptions> S, class Visit>
-void fields(S& kernel, Visit&& visit) {
+void fields(Describes<KernelOptions> auto& kernel, auto&& visit) {
   auto& [method, phases, qee_bits, normalisation] = kernel;
   visit("method", method), visit("phases", phases), visit("qee_bits", qee_bits);
   visit("normalisation", normalisation);
 }
 
-template <Describes<Splats> S, class Visit>
-void fields(S& splats, Visit&& visit) {
+void fields(Describes<Splats> auto& splats, auto&& visit) {
   auto& [image_plane, plane_samples, kernel_radius, kernel, payload, precision] = splats;
   visit("image_plane", image_plane), visit("plane_samples", plane_samples), visit("radius", kernel_radius);
   visit("kernel", kernel), visit("payload", payload), visit("precision", precision);
 }
 
-template <Describes<Sheets> S, class Visit>
-void fields(S& sheets, Visit&& visit) {
+void fields(Describes<Sheets> auto& sheets, auto&& visit) {
   auto& [image_plane, plane_samples, slabs, light_points, adaptive] = sheets;
   visit("image_plane", image_plane), visit("plane_samples", plane_samples), visit("slabs", slabs);
   visit("light_points", light_points), visit("adaptive", adaptive);
 }
 
-template <Describes<Division> S, class Visit>
-void fields(S& division, Visit&& visit) {
+void fields(Describes<Division> auto& division, auto&& visit) {
   auto& [region_size, dealt_to] = division;
   visit("region", region_size), visit("dealt_to", dealt_to);
 }
 
-template <Describes<FrameSpec> S, class Visit>
-void fields(S& spec, Visit&& visit) {
+void fields(Describes<FrameSpec> auto& spec, auto&& visit) {
   auto& [frame, shown, how, division] = spec;
   visit("frame", frame), visit("division", division), visit("shown", shown);
   std::visit([&visit](auto& method) { visit(method.name, method); }, how);
