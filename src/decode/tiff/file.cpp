@@ -137,16 +137,15 @@ class TiffChain {
       if (tag == strip_offsets || tag == tile_offsets) offsets = field(entry);
       if (tag == strip_bytes || tag == tile_bytes) lengths = field(entry);
       constexpr std::uint64_t smaller_copy = 1, mask = 4, is_palette = 3;
-      if (tag == new_subfile_type) page.beside = (value_of(entry) & (smaller_copy | mask)) != 0;
-      if (tag == photometric) page.palette = value_of(entry) == is_palette;
-      if (tag == compression) compressed = value_of(entry) != 1;
-      if (tag == tile_offsets || (tag == planar_configuration && value_of(entry) != 1)) raw = false;
+      if (tag == new_subfile_type) page.beside = (value_of(field(entry)) & (smaller_copy | mask)) != 0;
+      if (tag == photometric) page.palette = value_of(field(entry)) == is_palette;
+      if (tag == compression) compressed = value_of(field(entry)) != 1;
+      if (tag == tile_offsets || (tag == planar_configuration && value_of(field(entry)) != 1)) raw = false;
     }
     if (block_lengths.count > 0 && blocks.count > 0) read_channels(block_lengths, blocks, found.of_channels);
     const auto parts = std::min(offsets.count, lengths.count);
     for (std::uint64_t i = 0; i < parts; ++i) {
-      const auto begin = number(offsets.begin + i * offsets.number_bytes, offsets.number_bytes);
-      const auto length = number(lengths.begin + i * lengths.number_bytes, lengths.number_bytes);
+      const auto begin = value_of(offsets, i), length = value_of(lengths, i);
       if (begin > file_.size() || length > file_.size() - begin) fail();
       if (i == 0) page.raw_begin = begin;
       raw = raw && begin == page.raw_begin + page.raw_bytes;
@@ -156,10 +155,9 @@ class TiffChain {
     return number(at + count_bytes() + entries * entry_bytes(), offset_bytes());
   }
 
-  /// A field's first number, 0 when it has none.
-  std::uint64_t value_of(std::uint64_t entry) const {
-    const auto one = field(entry);
-    return one.count == 0 ? 0 : number(one.begin, one.number_bytes);
+  /// 0 beyond a field's last number.
+  std::uint64_t value_of(const Field& field, std::uint64_t i = 0) const {
+    return i < field.count ? number(field.begin + i * field.number_bytes, field.number_bytes) : 0;
   }
 
   Field field(std::uint64_t entry) const {
@@ -187,9 +185,7 @@ class TiffChain {
   void read_channels(const Field& lengths, const Field& blocks, std::vector<ChannelNotes>& channels) const {
     constexpr std::uint64_t colours = 0x6c757473, ranges = 0x72616e67;
     constexpr std::uint64_t most_channels = 256, most_kinds = 4 + 8 * 64;
-    const auto length = [&](std::uint64_t block) {
-      return number(lengths.begin + block * lengths.number_bytes, lengths.number_bytes);
-    };
+    const auto length = [&](std::uint64_t block) { return value_of(lengths, block); };
     const auto channel = [&](std::uint64_t k) -> ChannelNotes& {
       if (k >= channels.size()) channels.resize(std::size_t(k + 1));
       return channels[std::size_t(k)];
