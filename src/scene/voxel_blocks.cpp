@@ -8,7 +8,7 @@
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
-#include "volume/copy_row.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat {
 

@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
-#include "volume/copy_row.hpp"
 #include "volume/forwarding_source.hpp"
 #include "volume/scalars.hpp"
 

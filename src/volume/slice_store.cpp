@@ -8,7 +8,7 @@
 
 #include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
-#include "volume/copy_row.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat {
 namespace {

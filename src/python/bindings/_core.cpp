@@ -18,12 +18,12 @@
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
-#include "words/block_session.hpp"
-#include "words/picture.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "session/render_frames.hpp"
-#include "volume/copy_row.hpp"
+#include "volume/scalars.hpp"
+#include "words/block_session.hpp"
+#include "words/picture.hpp"
 
 namespace nb = nanobind;
 using namespace ringsplat;
