@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <climits>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -159,15 +158,12 @@ ProbeMessage probe_from(const json& j, const MessageRules& rules) {
   if (!j.contains("voxel"))
     return {whole(j, "id"), std::floor(number(j, "x", 0, rules.largest_side)) + 0.5,
             std::floor(number(j, "y", 0, rules.largest_side)) + 0.5};
-  const glm::dvec3 voxel = vector_from(j["voxel"], "voxel", 0, INT_MAX);
-  SceneState scene = scene_from(j.value("state", json::object()), rules);
-  scene.shown.width = scene.shown.height = 64;  // any
-  show_slice(scene.shown, {2, voxel.z}, rules);
-  // Interpolation rounds places in a cell down to 1/65536: that of a voxel must not be in the cell before.
-  constexpr double within = 0.5 / 65536;
-  const ViewTransform view = make_view(scene.shown.camera, lattice_frame(rules.grid), 64, 64);
-  const glm::dvec3 seen = view.project(voxel + within);
-  return {whole(j, "id"), seen.x, seen.y, scene};
+  ProbeMessage probe{whole(j, "id")};
+  const json& voxel = list_from(j["voxel"], "voxel", 3, 3);
+  for (int k = 0; k < 3; ++k)
+    probe.voxel[k] = static_cast<int>(number_from(voxel[std::size_t(k)], "voxel", 0, rules.grid.dims[k] - 1));
+  probe.scene = scene_from(j.value("state", json::object()), rules);
+  return probe;
 }
 
 ViewMessage view_from(const json& j, const MessageRules& rules) {

@@ -51,8 +51,10 @@ struct AckMessage {
 struct DriveMessage {};
 struct ProbeMessage {
   std::uint32_t id = 0;
-  double x = 0, y = 0;                             ///< in pixels from the picture's corner
-  std::optional<SceneState> scene = std::nullopt;  ///< that it shows; none: the last view's
+  double x = 0, y = 0;  ///< the middle of a pixel of the last view's picture, from its corner
+  /// Whose voxel is asked for instead.
+  std::optional<SceneState> scene = std::nullopt;
+  glm::ivec3 voxel{0};
 };
 /// ParaView's colour map, to be used by the page.
 struct MapMessage {

@@ -29,8 +29,8 @@ inline Camera camera_of_pixel(const Camera& camera, const LatticeFrame& lattice,
 
 /// Finds the first opaque point of a pixel's ray by frames of one pixel, so that no rank needs to know of it:
 /// the ranks draw the volume cut off behind ever fewer slices, and the fewest through which the ray becomes
-/// half as opaque as it is in the end lie before the point. Two more frames, whose colours stand for values,
-/// read the slice there. In modes without light the place is where the extremum is reached.
+/// half as opaque as it is in the end lie before the point. One more frame, of numbers, reads the value
+/// there. In modes without light the place is where the extremum is reached.
 class Probe {
  public:
   /// `full`: the view's frame at its best level. (x, y): in pixels, from the corner. Throws InputError when
@@ -49,10 +49,19 @@ class Probe {
     high_ = box_.end[axis_] - box_.first[axis_];
   }
 
+  /// Of a voxel.
+  Probe(const FrameSpec& full, const Grid& grid, const glm::ivec3& voxel)
+      : grid_(grid), next_(full), box_(whole_box(grid)), axis_(static_cast<int>(Axis::z)) {
+    next_->shown.width = next_->shown.height = 1;
+    next_->shown.shading = Shading::none;
+    found(voxel);
+    read(voxel, voxel.z);
+  }
+
   /// The values of the volume that is read: needed before the first frame.
   void know_range(const ValueRange& range) {
     range_ = range;
-    if (looks_for_extremum()) ask_for_values(range.low, range.high);
+    if (looks_for_extremum()) show_range();
   }
   /// The next frame to draw; nothing when the answer is there.
   const std::optional<FrameSpec>& next_frame() const { return next_; }
@@ -73,12 +82,9 @@ class Probe {
         (enough ? high_opacity_ : low_opacity_) = so_far;
         break;
       }
-      case Stage::extremum:
+      case Stage::value:
         answer_.value = rgba[0];
         return next_.reset();
-      case Stage::value:
-      case Stage::value_again:
-        return read(rgba[0] / std::max(rgba[3], least_opacity));
     }
     if (high_ - low_ > 1)
       next_->shown.clip = front_slices(middle());
@@ -88,7 +94,7 @@ class Probe {
   const Probed& answer() const { return answer_; }
 
  private:
-  enum class Stage { whole, place, value, value_again, extremum };
+  enum class Stage { whole, place, value };
   /// Less opaque a ray hits nothing.
   static constexpr float least_opacity = 1.0F / 32;
 
@@ -102,10 +108,6 @@ class Probe {
     if (!looks_for_extremum()) return rgba[3];
     return next_->shown.mode == Mode::minip ? 1 - rgba[0] : rgba[0];
   }
-  double value_of(double red) const {
-    return std::clamp(value_low_ + red * (value_high_ - value_low_), range_.low, range_.high);
-  }
-
   VoxelBox front_slices(int count) const {
     VoxelBox box = box_;
     if (ascending_)
@@ -129,45 +131,51 @@ class Probe {
         double(high_ - 1) +
         std::clamp((wanted_ - low_opacity_) / std::max(high_opacity_ - low_opacity_, 1e-6F), 0.0F, 1.0F);
     const double at = ascending_ ? box_.first[axis_] - 0.5 + into : box_.end[axis_] - 0.5 - into;
-    answer_.hit = true;
-    answer_.voxel = glm::clamp(meet(at), glm::dvec3(0.0), glm::dvec3(grid_.dims - 1));
-    answer_.world = grid_.origin + grid_.direction * (grid_.spacing * answer_.voxel);
-    if (looks_for_extremum()) {
+    const glm::dvec3 place = glm::clamp(meet(at), glm::dvec3(0.0), glm::dvec3(grid_.dims - 1));
+    found(place);
+    if (looks_for_extremum())
       next_->shown.clip = box_;
-      next_->shown.values = true;
-      stage_ = Stage::extremum;
-      return;
-    }
-    const int slice = ascending_ ? box_.first[axis_] + high_ - 1 : box_.end[axis_] - high_;
-    next_->shown.clip = box_;
-    next_->shown.clip->first[axis_] = slice;
-    next_->shown.clip->end[axis_] = slice + 1;
-    stage_ = Stage::value;
-    next_->shown.mode = Mode::composite;
-    ask_for_values(range_.low, range_.high);
+    else
+      read(place, ascending_ ? box_.first[axis_] + high_ - 1 : box_.end[axis_] - high_);
   }
 
-  /// Has the frame show values: white from `high` on, black up to `low`, and opaque everywhere; between the
-  /// ends red is the value.
-  void ask_for_values(double low, double high) {
+  /// The last frame is of numbers.
+  void found(const glm::dvec3& place) {
+    answer_ = {true, place, grid_.origin + grid_.direction * (grid_.spacing * place)};
+    stage_ = Stage::value;
+    next_->shown.values = true;
+  }
+
+  /// Has the frame tell the value at a place of the lattice, seen from straight before its slice; of labels,
+  /// between which there is nothing, the nearest voxel's.
+  void read(const glm::dvec3& place, int slice) {
+    Shown& shown = next_->shown;
+    // Interpolation rounds places in a cell down to 1/65536: that of a voxel must not be in the cell before.
+    constexpr double within = 0.5 / 65536;
+    const glm::dvec3 at =
+        (shown.interpolation == Interpolation::nearest ? glm::round(place) : place) + within;
+    const LatticeFrame lattice = lattice_frame(grid_);
+    const Camera facing = facing_slices(lattice, Axis(axis_), false);
+    const glm::dvec3 seen = make_view(facing, lattice, 1, 1).project(at);
+    shown.camera = camera_of_pixel(facing, lattice, 1, 1, seen.x, seen.y);
+    shown.clip = whole_box(grid_);
+    shown.clip->first[axis_] = slice;
+    shown.clip->end[axis_] = slice + 1;
+    shown.interpolation = Interpolation::linear;
+    shown.mode = Mode::mip;
+    show_range();
+  }
+
+  /// Has the frame show values: black for the lowest, white for the highest, and opaque everywhere.
+  void show_range() {
+    double low = range_.low, high = range_.high;
     if (!(low < high)) {
       low = std::isfinite(low) ? low : 0;
       high = low + 1;
     }
-    value_low_ = low;
-    value_high_ = high;
     next_->shown.transfer_function = {.name = "value",
                                       .colours = {{low, glm::dvec3(0.0)}, {high, glm::dvec3(1.0)}},
                                       .opacities = {{low, 1}, {high, 1}}};
-  }
-
-  void read(double red) {
-    answer_.value = value_of(red);
-    // Tables resolve some 256 values of the range, so the neighbourhood is looked at once more.
-    const double reach = (value_high_ - value_low_) / 32;
-    if (stage_ == Stage::value_again || !(reach > 0)) return next_.reset();
-    stage_ = Stage::value_again;
-    ask_for_values(answer_.value - reach, answer_.value + reach);
   }
 
   Grid grid_;
@@ -175,12 +183,11 @@ class Probe {
   std::optional<FrameSpec> next_;
   VoxelBox box_;  ///< the part that is shown
   int axis_;
-  bool ascending_;
+  bool ascending_ = true;
   Stage stage_ = Stage::whole;
   int low_ = 0, high_ = 0;  ///< slices: too few, enough
   float low_opacity_ = 0, high_opacity_ = 0;
-  float wanted_ = 0;                       ///< opacity
-  double value_low_ = 0, value_high_ = 0;  ///< that black and white stand for
+  float wanted_ = 0;  ///< opacity
   Probed answer_;
 };
 

@@ -60,7 +60,9 @@ class Requests {
   /// them. All throw InputError when there is too much to do already, and for a movie whatever is wrong with
   /// it. A probe is of volume `volume` of the series; a file says its own.
   void add(ClientId client, const ProbeMessage& asked, const VolumeFrame& best, int volume) {
-    Probing probing{client, asked.id, Probe(best.spec, grid_, asked.x, asked.y), volume, best.volume};
+    const Probe probe =
+        asked.scene ? Probe(best.spec, grid_, asked.voxel) : Probe(best.spec, grid_, asked.x, asked.y);
+    Probing probing{client, asked.id, probe, volume, best.volume};
     const std::lock_guard lock(mutex_);
     if (const auto old = probes_.find(client); old != probes_.end())
       server_.send_text(client, error_text("another pixel was asked for", Request{"probe", old->second.id}));

@@ -214,10 +214,11 @@ class PageViewer final : public Viewer {
 
   void handle(ClientId client, const ProbeMessage& asked) {
     const std::lock_guard lock(mutex_);
-    const std::optional<SceneState>& scene = asked.scene ? asked.scene : last_put_;
-    if (!scene || asked.x >= scene->shown.width || asked.y >= scene->shown.height)
+    if (asked.scene)
+      return requests_.add(client, asked, best_frames(*asked.scene).front(), asked.scene->frame);
+    if (!last_put_ || asked.x >= last_put_->shown.width || asked.y >= last_put_->shown.height)
       throw InputError("there is no such pixel in the last view");
-    requests_.add(client, asked, best_frames(*scene).front(), scene->frame);
+    requests_.add(client, asked, best_frames(*last_put_).front(), last_put_->frame);
   }
 
   void handle(ClientId client, const MapMessage& map) { server_.send_text(client, map_text(map)); }
