@@ -41,14 +41,9 @@ std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, cons
 inline constexpr const char* meta_types[] = {"MET_CHAR", "MET_UCHAR", "MET_SHORT", "MET_USHORT",
                                              "MET_INT",  "MET_UINT",  "MET_FLOAT", "MET_DOUBLE"};
 
-struct RawName {
-  glm::ivec3 dims;
-  ScalarType type;
-};
-
 /// Parses a name like NAME_256x256x128_uint8.raw (the convention of the Open SciVis data sets); nothing when
 /// it has no such tag. Throws InputError for an unknown type or a size beyond int.
-std::optional<RawName> parse_raw_name(const std::filesystem::path& path);
+std::optional<Grid> parse_raw_name(const std::filesystem::path& path);
 
 /// Throws InputError that says what a folder holds instead of DICOM, TIFF or PNG images.
 [[noreturn]] void refuse_without_images(const std::filesystem::path& folder);

@@ -72,13 +72,13 @@ void warn_of_byte_order(const InputFile& file, const StoredVoxels& voxels, std::
 
 }  // namespace
 
-std::optional<RawName> parse_raw_name(const std::filesystem::path& path) {
+std::optional<Grid> parse_raw_name(const std::filesystem::path& path) {
   static const std::regex pattern(R"(.*_(\d+)x(\d+)x(\d+)_([A-Za-z0-9]+)\.raw)", std::regex::icase);
   const std::string name = path.filename().string();
   std::smatch match;
   if (!std::regex_match(name, match, pattern)) return {};
   const auto size = [&](std::size_t i) { return dimension(match[i].str(), path); };
-  return RawName{{size(1), size(2), size(3)}, scalar_type_from(match[4].str())};
+  return Grid{.dims = {size(1), size(2), size(3)}, .type = scalar_type_from(match[4].str())};
 }
 
 std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw) {
@@ -89,9 +89,9 @@ std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const 
            raw.dims   ? "type"
            : raw.type ? "dimensions"
                       : "dimensions and type");
-  Grid grid;
-  grid.dims = raw.dims ? *raw.dims : named->dims;
-  grid.type = raw.type ? *raw.type : named->type;
+  Grid grid = named.value_or(Grid());
+  if (raw.dims) grid.dims = *raw.dims;
+  if (raw.type) grid.type = *raw.type;
   if (raw.spacing) grid.spacing = *raw.spacing;
   check_lattice(grid, path.string());
 
