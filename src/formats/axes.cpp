@@ -136,20 +136,19 @@ ArrayPart choose_part(const DatasetMeaning& meaning, ScalarType type, const Volu
     if (axis.role != Role::channel) continue;
     const bool last = &axis == &meaning.axes.back();
     if (!meaning.notes.of_channels.empty())
-      part.channel.index =
-          int(choose_named_channel(choice.channel, axis.size, meaning.notes.of_channels, where));
+      part.channel = int(choose_named_channel(choice.channel, axis.size, meaning.notes.of_channels, where));
     else if (last || !choice.channel.empty())
       part.channel = choose_channel(choice.channel, axis.size, last && are_colours(type, axis.size), where);
     else
       log_warning_once("{}: it has {} channels, the first is shown; --channel N shows another, all draws all",
                        where, axis.size);
-    if (!part.channel.index) part.components = axis.size;
+    if (!part.channel) part.components = axis.size;
   }
   part.frame = chosen_frame(choice, meaning.notes.frames, where);
   for (const auto& axis : meaning.axes) {
     const bool is_channel = axis.role == Role::channel;
-    const bool whole = axis.role == Role::space || (is_channel && !part.channel.index);
-    const int other = is_channel ? part.channel.index.value_or(0) : 0;
+    const bool whole = axis.role == Role::space || (is_channel && !part.channel);
+    const int other = is_channel ? part.channel.value_or(0) : 0;
     part.first.push_back(axis.role == Role::frame ? part.frame : other);
     part.end.push_back(whole ? axis.size : part.first.back() + 1);
   }

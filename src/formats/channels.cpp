@@ -78,8 +78,8 @@ class ChannelSource final : public ForwardingSource {
 
   Facts facts() const override {
     auto facts = ForwardingSource::facts();
-    facts.push_back({"channel", choice_.index ? fmt::format("{} of {}", *choice_.index, components_)
-                                              : fmt::format("luminance of {}", components_)});
+    facts.push_back({"channel", choice_ ? fmt::format("{} of {}", *choice_, components_)
+                                        : fmt::format("luminance of {}", components_)});
     return facts;
   }
 
@@ -116,7 +116,7 @@ ChannelChoice choose_channel(const std::string& channel, int components, bool co
   if (!index || *index < 0 || *index >= components)
     throw InputError(fmt::format("--channel {}: {} has no such channel", channel, where),
                      fmt::format("its channels are {}", names_of(components, colours)));
-  return {index};
+  return index;
 }
 
 std::optional<std::int64_t> find_channel(const std::string& channel, std::int64_t count,
@@ -147,8 +147,7 @@ void take_channel(ScalarType type, int components, ChannelChoice choice, std::sp
     const auto* voxel = reinterpret_cast<const T*>(in.data());
     auto* taken = reinterpret_cast<T*>(out.data());
     auto* const end = taken + out.size() / sizeof(T);
-    for (; taken != end; voxel += components, ++taken)
-      *taken = choice.index ? voxel[*choice.index] : luminance(voxel);
+    for (; taken != end; voxel += components, ++taken) *taken = choice ? voxel[*choice] : luminance(voxel);
   });
 }
 

@@ -13,9 +13,8 @@
 /// Voxels of several numbers, of which one is taken, or the luminance of a colour.
 namespace ringsplat::detail {
 
-struct ChannelChoice {
-  std::optional<int> index = std::nullopt;  ///< from 0; without it the luminance of red, green and blue
-};
+/// The number that is taken, from 0; nothing: the luminance of red, green and blue.
+using ChannelChoice = std::optional<int>;
 
 /// The number that --frame chooses of `frames`; throws InputError, which calls them `things`, for another.
 int chosen_frame(const VolumeChoice& choice, int frames, const std::string& where,

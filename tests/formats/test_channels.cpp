@@ -51,15 +51,15 @@ TEST_CASE("colours are shown by luminance with a warning that names --channel, v
   CHECK_FALSE(are_colours(ScalarType::float32, 3));
   {
     const CapturedLog log;
-    CHECK_FALSE(choose_channel("", 3, true, "luminous.nrrd").index);
+    CHECK_FALSE(choose_channel("", 3, true, "luminous.nrrd"));
     CHECK(says(log.text(), "luminous.nrrd: voxels are colours"));
     CHECK(says(log.text(), "--channel r, g or b"));
   }
   const CapturedLog log;
-  CHECK(choose_channel("r", 3, true, "a").index == 0);
-  CHECK(choose_channel("a", 4, true, "a").index == 3);
-  CHECK(choose_channel("1", 3, true, "a").index == 1);
-  CHECK(choose_channel("5", 6, false, "a").index == 5);
+  CHECK(choose_channel("r", 3, true, "a") == 0);
+  CHECK(choose_channel("a", 4, true, "a") == 3);
+  CHECK(choose_channel("1", 3, true, "a") == 1);
+  CHECK(choose_channel("5", 6, false, "a") == 5);
   CHECK(log.text().empty());
 
   const auto complaint = [](const char* channel, int components, bool colours) {
@@ -86,8 +86,7 @@ TEST_CASE("a channel of a source is read whole, by slice and by layer", "[channe
         voxels += bytes_of(short(0)) + bytes_of(sample<short>(x, y, z)) + bytes_of(short(1));
   const auto wide = interleaved_grid(grid, 3, "a");
   CHECK(wide.dims == glm::ivec3(3 * nx, ny, nz));
-  const auto source =
-      channel_source(memory_source(wide, std::as_bytes(std::span(voxels))), grid, 3, {.index = 1});
+  const auto source = channel_source(memory_source(wide, std::as_bytes(std::span(voxels))), grid, 3, 1);
   CHECK(source->grid().dims == grid.dims);
   CHECK((read_all(*source) == samples<short>()));
   for (const int z : {2, 0, 1})

@@ -19,7 +19,6 @@
 #include "formats/encoded_bytes.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
-#include "formats/signatures.hpp"
 #include "formats/stored_source.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
@@ -364,7 +363,7 @@ std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, cons
       channels > 1 ? choose_channel(choice.channel, channels, voxel.colours > 1, where) : ChannelChoice{};
   // Volumes of time points follow each other, those of a further vector component follow all time points of
   // the one before.
-  const std::int64_t vector = vectors > 1 ? taken.index.value_or(0) : 0;
+  const std::int64_t vector = vectors > 1 ? taken.value_or(0) : 0;
   stored.choose(wide.bytes(), std::int64_t{frames} * vectors,
                 vector * frames + chosen_frame(choice, frames, path));
   if (voxel.colours > 1) stored.rescale.reset();  // the standard: not for colours

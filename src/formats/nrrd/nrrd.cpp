@@ -252,12 +252,12 @@ std::unique_ptr<VolumeSource> source_of(const NrrdHeader& header, const Layout& 
   const int frame = chosen_frame(choice, layout.frames, where);
   const auto channel = layout.channels > 1
                            ? choose_channel(choice.channel, layout.channels, layout.colours, where)
-                           : ChannelChoice{.index = 0};
+                           : ChannelChoice(0);
   stored.choose(wide.bytes(), layout.volumes,
-                frame * layout.frame_stride + channel.index.value_or(0) * layout.channel_stride);
+                frame * layout.frame_stride + channel.value_or(0) * layout.channel_stride);
   const bool of_frames = layout.leading_is == Layout::Axis::frames;
   return channel_source(stored_source(wide, {stored}), layout.grid, layout.leading,
-                        of_frames ? ChannelChoice{.index = frame} : channel);
+                        of_frames ? ChannelChoice(frame) : channel);
 }
 
 }  // namespace
