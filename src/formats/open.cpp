@@ -8,6 +8,7 @@
 #include "base/text.hpp"
 #include "formats/channels.hpp"
 #include "formats/formats.hpp"
+#include "formats/limits.hpp"
 #include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/formats/open.hpp"
@@ -45,10 +46,8 @@ Open find_format(const std::filesystem::path& path) {
 std::unique_ptr<VolumeSource> open_described(const std::filesystem::path& path, Open open,
                                              const RawDescription& raw, const VolumeChoice& choice) {
   if (raw.dims || raw.type || raw.big_endian || raw.offset)
-    throw InputError(
-        fmt::format("{} describes itself: dimensions, type, endianness and offset are for raw files",
-                    path.string()),
-        "leave them out; only --spacing may be given");
+    detail::refuse(path, "leave them out; only --spacing may be given",
+                   "it describes itself: dimensions, type, endianness and offset are for raw files");
   auto source = open(path, choice);
   if (!raw.spacing) return source;
   // The file has no spacing, or a wrong one.
@@ -85,9 +84,8 @@ Open format_of_folder(const std::filesystem::path& folder) {
   if (has("zarr.json") || has(".zarray") || has(".zgroup") || has("attributes.json"))
     return detail::open_zarr;
   if (has("Header") && has("Level_0"))
-    throw InputError(
-        fmt::format("{} is an AMReX plotfile, whose boxes differ in resolution", folder.string()),
-        "save one grid of it, for example yt's covering_grid, as a .npy");
+    detail::refuse(folder, "save one grid of it, for example yt's covering_grid, as a .npy",
+                   "it is an AMReX plotfile, whose boxes differ in resolution");
   int files = 0, pngs = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (detail::is_tiff(entry.path())) return detail::open_tiff;
@@ -109,10 +107,11 @@ std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, c
   if (detail::is_hdf5(path)) return open_described(path, detail::open_hdf5, raw, choice);
   // Scanners often name their files without an ending.
   if (detail::is_dicom(path)) return open_described(path, detail::open_dicom, raw, choice);
-  throw InputError(
-      fmt::format("{} has no ending of a known volume format", path.string()),
+  detail::refuse(
+      path,
       "use .nrrd .nhdr .mha .mhd .nii .nii.gz .mgz .vtk .vti .tif .dcm .h5 .nc .npy .mrc .fits .raw or a "
-      "folder, or describe a raw file with --dims and --type");
+      "folder, or describe a raw file with --dims and --type",
+      "it has no ending of a known volume format");
 }
 
 }  // namespace
@@ -128,14 +127,14 @@ void detail::refuse_without_images(const std::filesystem::path& folder) {
     if (find_format(entry.path()) || ending == ".raw") volumes.insert(entry.path());
   }
   if (!volumes.empty())
-    throw InputError(fmt::format("{} holds volume files ({})", folder.string(), volumes.size()),
-                     fmt::format("name one of them, as {}", volumes.begin()->string()));
+    refuse(folder, fmt::format("name one of them, as {}", volumes.begin()->string()),
+           "it holds volume files ({})", volumes.size());
   if (!pictures.empty())
-    throw InputError(
-        fmt::format("{} holds pictures ({} files, {})", folder.string(), pictures.size(),
-                    pictures.begin()->extension().string()),
+    refuse(
+        folder,
         "slices are read from DICOM, TIFF and PNG: convert them to .tif, for example with 'mogrify -format "
-        "tif', in a folder of their own");
+        "tif', in a folder of their own",
+        "it holds pictures ({} files, {})", pictures.size(), pictures.begin()->extension().string());
   throw InputError(fmt::format("{} holds no DICOM, TIFF or PNG images", folder.string()),
                    "give a folder with one series or stack, or a volume file");
 }

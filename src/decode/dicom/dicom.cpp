@@ -15,6 +15,7 @@
 #include "decode/dicom/series.hpp"
 #include "decode/readers.hpp"
 #include "formats/formats.hpp"
+#include "formats/limits.hpp"
 #include "formats/volume_files.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
@@ -106,12 +107,10 @@ void require_alike(const std::vector<DicomFrame>& images) {
   for (const auto& s : images) {
     const auto &a = images.front().grid, &b = s.grid;
     if (a.dims.x != b.dims.x || a.dims.y != b.dims.y)
-      throw InputError(fmt::format("{} is {} x {}, the slices before it are {} x {}", s.file.string(),
-                                   b.dims.x, b.dims.y, a.dims.x, a.dims.y),
-                       "take slices of one size only");
+      refuse(s.file, "take slices of one size only", "it is {} x {}, the slices before it are {} x {}",
+             b.dims.x, b.dims.y, a.dims.x, a.dims.y);
     if (b.dims.z != 1)
-      throw InputError(fmt::format("{} holds {} frames", s.file.string(), b.dims.z),
-                       "put a multi-frame file alone into its folder");
+      refuse(s.file, "put a multi-frame file alone into its folder", "it holds {} frames", b.dims.z);
     if (glm::distance(a.direction[0], b.direction[0]) > tolerated ||
         glm::distance(a.direction[1], b.direction[1]) > tolerated)
       throw InputError(fmt::format("{} is turned against the slices before it (Image Orientation Patient)",

@@ -1,6 +1,5 @@
 #include "decode/dicom/image.hpp"
 
-#include <fmt/format.h>
 #include <gdcmImageHelper.h>
 #include <gdcmMediaStorage.h>
 #include <gdcmTrace.h>
@@ -17,21 +16,14 @@
 #include "decode/dicom/elements.hpp"
 #include "formats/binary_fields.hpp"
 #include "formats/limits.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
 using namespace std::string_view_literals;
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
-  throw InputError(fmt::format("cannot read {}: {}", path.string(), what),
-                   "check the file with another viewer");
-}
-
-[[noreturn]] void fail_frame(const DicomFile& file, const std::string& what) {
-  refuse(file.path, "copy or write the file again", "{}", what);
-}
+constexpr const char *again = "copy or write the file again",
+                     *elsewhere = "check the file with another viewer";
 
 std::string bytes_of(const DicomFile& file, const DicomFragment& fragment) {
   return file.bytes(fragment.begin, fragment.begin + fragment.length);
@@ -45,7 +37,7 @@ std::uint32_t little32(const std::string& bytes, std::size_t at) {
 std::vector<std::string> frames_of(const DicomFile& file, const DicomShape& shape) {
   const auto count = std::size_t(shape.frames);
   const auto& all = file.pixels->fragments;
-  if (all.size() < 2) fail_frame(file, "its pixels have no fragments");
+  if (all.size() < 2) refuse(file.path, again, "its pixels have no fragments");
   const bool has_table = all[0].length == 4 * count;
   const std::string table = has_table ? bytes_of(file, all[0]) : std::string();
   const bool one_each = all.size() == count + 1;
@@ -60,7 +52,7 @@ std::vector<std::string> frames_of(const DicomFile& file, const DicomShape& shap
     frames.back() += bytes_of(file, *fragment);
   }
   if (frames.size() != count)
-    fail_frame(file, fmt::format("{} fragments cannot be told to be {} frames", all.size() - 1, count));
+    refuse(file.path, again, "{} fragments cannot be told to be {} frames", all.size() - 1, count);
   return frames;
 }
 
@@ -68,11 +60,11 @@ std::vector<std::string> frames_of(const DicomFile& file, const DicomShape& shap
 void require_whole(const DicomFile& file, const DicomShape& shape, std::string& frame) {
   if (shape.codec == DicomCodec::rle) {
     if (frame.size() < 4 || little32(frame, 0) != shape.bytes_per_voxel())
-      fail_frame(file, fmt::format("a frame of run lengths is not of {} segments", shape.bytes_per_voxel()));
+      refuse(file.path, again, "a frame of run lengths is not of {} segments", shape.bytes_per_voxel());
     return;
   }
   const auto end = frame.rfind("\xFF\xD9"sv);
-  if (end == std::string::npos) fail_frame(file, "a compressed frame is cut short or damaged");
+  if (end == std::string::npos) refuse(file.path, again, "a compressed frame is cut short or damaged");
   frame.resize(end + 2);
 }
 
@@ -83,7 +75,7 @@ std::string without_notes(const DicomFile& file, const std::string& frame) {
   for (std::size_t at = 2;;) {
     while (at + 1 < frame.size() && frame[at] == '\xFF' && frame[at + 1] == '\xFF') ++at;
     if (at + 4 > frame.size() || frame[at] != '\xFF')
-      fail_frame(file, "a compressed frame is cut short or damaged");
+      refuse(file.path, again, "a compressed frame is cut short or damaged");
     const auto byte = [&](std::size_t i) { return unsigned(static_cast<unsigned char>(frame[at + i])); };
     const unsigned marker = byte(1);
     if (marker == scan) return kept + frame.substr(at);
@@ -205,7 +197,7 @@ std::unique_ptr<DicomImage> DicomImage::open(const std::filesystem::path& path) 
   } else {
     reader.SetFileName(path.c_str());
   }
-  if (!reader.Read()) fail(path, "GDCM does not understand it");
+  if (!reader.Read()) refuse(path, elsewhere, "GDCM does not understand it");
   gdcm::Image& image = reader.GetImage();
   Grid& grid = opened->grid_ = lattice_of(*file, reader);
   require_shape(*file, shape, image, grid);
@@ -225,7 +217,7 @@ std::unique_ptr<DicomImage> DicomImage::open(const std::filesystem::path& path) 
 void DicomImage::read(std::span<std::byte> out) {
   const auto decode = [this](std::span<std::byte> pixels) {
     if (!reader_.GetImage().GetBuffer(reinterpret_cast<char*>(pixels.data())))
-      fail(path_, "its pixels cannot be decoded");
+      refuse(path_, elsewhere, "its pixels cannot be decoded");
   };
   if (rescale_.slope == 1 && rescale_.intercept == 0) return decode(out);
   std::vector<std::byte> stored(shape_.bytes());

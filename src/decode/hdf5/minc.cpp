@@ -1,7 +1,5 @@
 // MINC 2.0's conventions (MINC 2.0 file format reference): dimensions by name, each with its step, start and
 // direction in the patient's world, and for every slice the real values of the ends of the stored range.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,6 +8,7 @@
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "decode/hdf5/datasets.hpp"
+#include "formats/limits.hpp"
 
 namespace ringsplat::detail::hdf5 {
 namespace {
@@ -19,10 +18,7 @@ using Role = DatasetAxis::Role;
 /// The standard's axes point right, anterior and superior.
 const glm::dvec3 to_lps(-1, -1, 1);
 
-[[noreturn]] void refuse(const std::string& where, const std::string& what) {
-  throw InputError(fmt::format("{}: {}", where, what),
-                   "convert it, for example with 'mnc2nii IN.mnc OUT.nii'");
-}
+constexpr const char* hint = "convert it, for example with 'mnc2nii IN.mnc OUT.nii'";
 
 /// Describes the dimension and returns its direction in the world.
 glm::dvec3 describe_dimension(hid_t file, const std::string& where, DatasetAxis& axis) {
@@ -32,7 +28,7 @@ glm::dvec3 describe_dimension(hid_t file, const std::string& where, DatasetAxis&
   if (axis.role != Role::space) return {};
   const auto letter = std::string_view("xyz").find(axis.name.substr(0, 1));
   if (letter == std::string_view::npos || axis.name.substr(1) != "space")
-    refuse(where, fmt::format("its dimension {} is none of space", excerpt(axis.name)));
+    refuse(where, hint, "its dimension {} is none of space", excerpt(axis.name));
   axis.world = int(letter);
   const Id said = open_object(file, "/minc-2.0/dimensions/" + axis.name, where);
   const double step = number_of(said.get(), "step").value_or(1);
@@ -74,7 +70,7 @@ Strides strides_of(const std::vector<int>& dims, const std::vector<DatasetAxis>&
     const auto& axis = axes[k - 1];
     const bool is_slice = int(k) - 1 == slices, sound = dims[k - 1] == axis.size;
     if (!sound || (axis.role != Role::frame && !is_slice && axis.size > 1))
-      refuse(where, "its values are not scaled slice by slice");
+      refuse(where, hint, "its values are not scaled slice by slice");
     if (is_slice) strides.slice = stride;
     if (axis.role == Role::frame) strides.frame = stride;
     stride *= std::size_t(axis.size);
@@ -97,7 +93,7 @@ std::vector<Rescale> rescale_of(hid_t file, hid_t dataset, const std::string& pa
   std::size_t expected = 1;
   for (const int size : dims) expected *= std::size_t(size);
   if (lows.size() != expected || highs.size() != expected)
-    refuse(where, "its image-min and image-max cannot be read");
+    refuse(where, hint, "its image-min and image-max cannot be read");
   const auto valid = valid_range_of(dataset, value->type);
   const auto made = [&](std::size_t at) {
     const double slope = (highs[at] - lows[at]) / (valid[1] - valid[0]);
@@ -129,7 +125,7 @@ void describe_minc(hid_t file, hid_t dataset, const std::string& path, const std
   const auto names = words_of(order);
   auto& axes = meaning.axes;
   if (names.size() != axes.size())
-    refuse(where, fmt::format("its dimorder does not name its {} dimensions", axes.size()));
+    refuse(where, hint, "its dimorder does not name its {} dimensions", axes.size());
   std::vector<glm::dvec3> directions;
   glm::dvec3 origin(0);
   for (std::size_t k = 0; k < axes.size(); ++k) {
@@ -139,7 +135,7 @@ void describe_minc(hid_t file, hid_t dataset, const std::string& path, const std
   }
   const auto lattice = lattice_axes(axes);
   if (std::count(lattice.begin(), lattice.end(), -1) > 0)
-    refuse(where, "it has no three dimensions of space");
+    refuse(where, hint, "it has no three dimensions of space");
   meaning.origin = origin;
   meaning.direction.emplace();
   for (int k = 0; k < 3; ++k) {

@@ -105,8 +105,7 @@ class TiffChain {
   std::size_t entry_bytes() const { return wide_ ? 20 : 12; }
 
   [[noreturn]] void fail() const {
-    throw InputError(fmt::format("{} is cut short: a page lies behind its end", file_.path().string()),
-                     "copy the file again");
+    refuse(file_.path(), "copy the file again", "it is cut short: a page lies behind its end");
   }
 
   std::uint64_t number(std::uint64_t offset, std::size_t bytes) const {

@@ -45,9 +45,8 @@ class TiffSource final : public LayeredSource {
       opened_ = slice.file;
       const std::string problem = image_->read(slice.page, samples_, SampleType(grid().type), out.data());
       if (!problem.empty())
-        throw InputError(
-            fmt::format("cannot read page {} of {}: {}", slice.page, slice.file.string(), in_words(problem)),
-            "the file was cut short or damaged");
+        refuse(slice.file, "the file was cut short or damaged", "cannot read page {}: {}", slice.page,
+               in_words(problem));
     }
     require_unchanged(slice.file);
   }
@@ -152,12 +151,10 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
     if (file.width != first->width || file.height != first->height || file.type != first->type ||
         file.samples != first->samples || file.microscopy.channels != first->microscopy.channels ||
         file.microscopy.frames != first->microscopy.frames)
-      throw InputError(
-          fmt::format("{} is {} x {} {} in {} channels, the files before it are {} x {} {} in {}",
-                      file_path.string(), file.width, file.height, to_string(file.type),
-                      file.microscopy.channels * file.samples, first->width, first->height,
-                      to_string(first->type), first->microscopy.channels * first->samples),
-          "all slices must have one size and type");
+      refuse(file_path, "all slices must have one size and type",
+             "it is {} x {} {} in {} channels, the files before it are {} x {} {} in {}", file.width,
+             file.height, to_string(file.type), file.microscopy.channels * file.samples, first->width,
+             first->height, to_string(first->type), first->microscopy.channels * first->samples);
     add_slices(file, taken, slices);
   }
   if (!first) throw InputError(fmt::format("{} has no pages", path.string()), "give a TIFF stack");

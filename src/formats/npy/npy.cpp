@@ -94,8 +94,7 @@ NpyHeader read_npy_header(const std::filesystem::path& path) {
   constexpr std::string_view magic = "\x93NUMPY";
   if (got < start.size() || std::memcmp(start.data(), magic.data(), magic.size()) != 0 || start[6] < 1 ||
       start[6] > 3)
-    throw InputError(fmt::format("{} is no NumPy array file of format 1 to 3", path.string()),
-                     "write it with numpy.save");
+    refuse(path, "write it with numpy.save", "it is no NumPy array file of format 1 to 3");
   // Two bytes in format 1, four since.
   const BinaryFields fields(std::as_bytes(std::span(start)), false);
   const std::uint64_t length = start[6] > 1 ? fields.at<std::uint32_t>(8) : fields.at<std::uint16_t>(8);
