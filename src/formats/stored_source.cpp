@@ -12,7 +12,6 @@
 #include "formats/limits.hpp"
 #include "formats/signatures.hpp"
 #include "formats/volume_files.hpp"
-#include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
 namespace {

@@ -1,9 +1,7 @@
 #include <utility>
 
-#include "base/input_file.hpp"
 #include "formats/binary_fields.hpp"
 #include "formats/channels.hpp"
-#include "formats/encoded_bytes.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
 #include "formats/stored_source.hpp"
