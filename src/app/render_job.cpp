@@ -231,22 +231,16 @@ Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch)
 
 namespace {
 
-std::string why_it_errs(const FrameSpec& frame, const ValueRange& range) {
-  const bool splats = std::holds_alternative<Splats>(frame.how);
-  if (frame.shown.mode != Mode::composite) return "";
-  if (frame.shown.interpolation == Interpolation::nearest) return splats ? "" : why_labels_merge(range);
-  return (splats ? why_splats_err : why_sheets_err)(frame.shown.transfer_function, range);
-}
-
-/// Says on rank 0 what the method errs, unless its error is measured.
-void warn_of_steepness(const RenderOptions& o, const FrameSpec& frame, const ValueRange& range,
-                       Progress& progress, const Launch& launch) {
-  const bool drawn = !o.run.simulation.count_only;
-  if (launch.rank() != 0 || o.error.truth || !drawn) return;
-  if (const std::string why = why_it_errs(frame, range); !why.empty()) {
-    progress.clear();
-    log_warning("{}", why);
-  }
+/// Says on rank 0 why sheets err, unless the error is measured.
+void warn_of_errors(const RenderOptions& o, const FrameSpec& frame, const ValueRange& range,
+                    Progress& progress, const Launch& launch) {
+  if (launch.rank() != 0 || o.error.truth || o.run.simulation.count_only) return;
+  if (frame.shown.mode != Mode::composite || !std::holds_alternative<Sheets>(frame.how)) return;
+  const bool labels = frame.shown.interpolation == Interpolation::nearest;
+  const auto why = labels ? why_labels_merge(range) : why_sheets_err(frame.shown.transfer_function, range);
+  if (why.empty()) return;
+  progress.clear();
+  log_warning("{}", why);
 }
 
 }  // namespace
@@ -270,7 +264,7 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   ValueRange without_outliers = scene.values.range;
   without_outliers.low = scene.values.histogram.low;
   without_outliers.high = scene.values.histogram.high;
-  warn_of_steepness(o, frame, without_outliers, progress, launch);
+  warn_of_errors(o, frame, without_outliers, progress, launch);
   return frame;
 }
 

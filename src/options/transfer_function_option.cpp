@@ -11,7 +11,6 @@
 
 #include "base/printable.hpp"
 #include "classify/adjust.hpp"
-#include "classify/piecewise.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -61,22 +60,6 @@ void clear_noted_fill(TransferFunction& tf, const ValueStatistics& values) {
     clear_above(tf, std::lerp(values.range.high, *fill, 0.5));
   else
     clear_at(tf, *fill, values.kind.type != ScalarType::float32 && values.kind.type != ScalarType::float64);
-}
-
-constexpr double share = 1.0 / 64;  ///< of the range: about what neighbouring voxels differ by
-/// Between the gentle presets (mr-skin 0.02, mr-soft 0.02) and those of steep surfaces (ct-bone 0.06 and
-/// more).
-constexpr double steep = 0.04;
-
-struct Measured {
-  double value, rmse;  ///< steepness, and against the field in 1/255
-};
-
-/// Of the repository's head, with ramps (docs/measured/accuracy.md, "Steep transfer functions").
-double expected_error(double steepness) {
-  const std::vector<Measured> ramps{{0.044, 8.1}, {0.088, 9.1}, {0.176, 9.8}, {0.352, 10.7}, {0.703, 11.0}};
-  const auto [k, t] = locate(ramps, steepness);
-  return t > 0 ? std::lerp(ramps[k].rmse, ramps[k + 1].rmse, t) : ramps[k].rmse;
 }
 
 }  // namespace
@@ -202,34 +185,6 @@ std::string why_hardly_anything_is_visible(double mean_opacity, const FrameSpec&
       "--zoom{}",
       mean_opacity, mean_opacity > 1e-6 ? 10 : 1000,
       spec.shown.transfer_function.name == "auto" ? "" : " or --tf auto");
-}
-
-double steepness(const TransferFunction& tf, const ValueRange& range) {
-  if (!(range.low < range.high)) return 0;
-  const DataRange values{range.low, range.high};
-  const auto opacity = [&](double place) {
-    return tf.evaluate(values.at(std::clamp(place, 0.0, 1.0))).opacity;
-  };
-  const double half_span = 0.5 * range.high - 0.5 * range.low;  // the span itself may overflow
-  double most = 0;
-  // Opacity is linear between points, so that the window of the largest change begins or ends at one, or has
-  // a jump in it.
-  for (const auto& point : tf.opacities) {
-    const double at = (0.5 * point.value - 0.5 * range.low) / half_span;
-    for (const double from : {at - share, at - 0.5 * share, at})
-      most = std::max(most, std::abs(opacity(from + share) - opacity(from)));
-  }
-  return most;
-}
-
-std::string why_splats_err(const TransferFunction& tf, const ValueRange& range) {
-  const double change = steepness(tf, range);
-  if (change < steep) return {};
-  return fmt::format(
-      "transfer function '{}' is steep (its opacity changes by {:.2g} within 1/64 of the values' range), and "
-      "splats are classified before they are interpolated: expect an error of about {:.0f}/255 rms, as rings "
-      "and staircases; hint: --quality best interpolates first",
-      tf.name, change, expected_error(change));
 }
 
 std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range) {

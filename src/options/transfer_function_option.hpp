@@ -57,13 +57,8 @@ std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange&
 /// The same for a frame of so little opacity that people take it for empty.
 std::string why_hardly_anything_is_visible(double mean_opacity, const FrameSpec& spec);
 
-/// The largest rise or fall of opacity, 0 to 1, within 1/64 of the values' range.
-double steepness(const TransferFunction& tf, const ValueRange& range);
-
-/// Why splats err with such a transfer function, by how much, and what to do; empty where it is gentle.
-std::string why_splats_err(const TransferFunction& tf, const ValueRange& range);
-
-/// The same of sheets, whose tables have a thousand nodes for all values; empty where these suffice.
+/// Why sheets err with such a transfer function, and what to do: their tables have a thousand nodes for all
+/// values; empty where these suffice.
 std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range);
 
 /// Why sheets give labels each other's colours; empty where there are not too many values for that.
