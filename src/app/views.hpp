@@ -105,11 +105,9 @@ class ViewStream {
   void check_all_was_read() {
     const std::lock_guard lock(mutex_);
     if (skipped_ > 0)
-      throw InputError(
-          fmt::format("{}: {} line{} no view and {} skipped; the {} view{} that came {} rendered", name_,
-                      skipped_, skipped_ == 1 ? " gives" : "s give", skipped_ == 1 ? "was" : "were", taken_,
-                      taken_ == 1 ? "" : "s", taken_ == 1 ? "is" : "are"),
-          "the warnings above say what is wrong with them");
+      throw InputError(fmt::format("{}: {} of the lines give no view and were skipped; views rendered: {}",
+                                   name_, skipped_, taken_),
+                       "the warnings above say what is wrong with them");
     if (taken_ == 0) throw InputError(fmt::format("{}: no view came on stdin", name_), path_line_hint);
   }
 

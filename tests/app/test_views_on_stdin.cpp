@@ -51,7 +51,7 @@ TEST_CASE("lines on stdin that give no view are skipped, the others are rendered
     CHECK(ended.err.find('\x1b') == std::string::npos);
     const auto errors = lines_with(ended.err, "error: --path -");
     REQUIRE(errors.size() == 1);
-    CHECK_THAT(errors[0], Catch::Matchers::Contains("3 lines give no view and were skipped"));
+    CHECK_THAT(errors[0], Catch::Matchers::Contains("3 of the lines give no view and were skipped"));
     CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5", "--fit", "sphere"}));
     CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5", "--fit", "sphere"}));
     CHECK(json::parse(read_text(files.stats)).size() == 2);
