@@ -17,13 +17,6 @@
 namespace ringsplat {
 namespace {
 
-/// Share of a piece's `wall` seconds for one part of its work: its threads were busy for `busy` seconds in
-/// sum, `part` of them on that part. So a node's seconds add up to wall-clock time with any number of
-/// threads.
-double wall_share(double wall, double part, double busy) {
-  return busy > 0 ? wall * std::min(part / busy, 1.0) : 0.0;
-}
-
 /// The paper's engine on a Renderer: sums each slice's splats region by region and composites the slice
 /// behind the image.
 class SplatPainter final : public FramePainter<SplatFrame> {
@@ -90,7 +83,9 @@ class SplatPainter final : public FramePainter<SplatFrame> {
       busy += std::exchange(lane.busy, 0);
       compositing += std::exchange(lane.compositing, 0);
     }
-    composite_seconds_ += lanes_in_use_ > 1 ? wall_share(wall, compositing, busy) : compositing;
+    // Of several threads the same part of the wall-clock time as of theirs, so that a node's seconds add up.
+    if (lanes_in_use_ > 1) compositing = busy > 0 ? wall * std::min(compositing / busy, 1.0) : 0;
+    composite_seconds_ += compositing;
     return complete;
   }
 
