@@ -73,8 +73,7 @@ class LevelController {
  public:
   explicit LevelController(double target_seconds) : target_(target_seconds) {}
 
-  /// By level, what the present view's pictures roughly cost; infinite: not to be drawn. Call it first of
-  /// all.
+  /// By level, what the present view's pictures roughly cost; infinite: not to be drawn. Call it first.
   void expect(std::vector<double> rough_seconds) {
     rough_ = std::move(rough_seconds);
     own_.resize(rough_.size());

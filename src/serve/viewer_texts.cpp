@@ -35,13 +35,12 @@ json slices_json(const ShownVolume& volume) {
   const LatticeFrame lattice = lattice_frame(volume.grid);
   for (const Axis axis : all_axes) {
     const ViewTransform view = make_view(facing_slices(lattice, axis, volume.patient), lattice, 1, 1);
-    const auto code = [&](int screen) {
-      const auto along = [&](int k) { return (screen == 0 ? 1 : -1) * view.linear[k][screen]; };
-      const int u = in_plane(axis).u, v = in_plane(axis).v;
-      const int k = std::abs(along(u)) > std::abs(along(v)) ? u : v;
-      return along(k) < 0 ? -(k + 1) : k + 1;
+    const auto code = [&](int screen, int way) {
+      const auto [u, v] = in_plane(axis);
+      const int k = std::abs(view.linear[u][screen]) > std::abs(view.linear[v][screen]) ? u : v;
+      return way * view.linear[k][screen] < 0 ? -(k + 1) : k + 1;
     };
-    all.push_back({{"right", code(0)}, {"up", code(1)}});
+    all.push_back({{"right", code(0, 1)}, {"up", code(1, -1)}});
   }
   return all;
 }

@@ -25,6 +25,7 @@ import { showDriver, showEnd, showError, showFacts, showLink, showVolume } from 
 import { TransferPanel } from './transfer_panel.js';
 import { ViewPanel } from './view_panel.js';
 
+const slicesShow = ['transfer_function', 'channels', 'mode', 'frame', 'background'];
 const lossesTold = 3;
 const waitTold = 1000;      // milliseconds without a picture
 const fragmentWait = 300;  // milliseconds; browsers limit how often the address may change
@@ -64,7 +65,6 @@ export class App {
     this.gestures = new Gestures(this, byId('picture'));
     attachKeyboard(this);
     attachSettings();
-    onSettings(() => this.redraw());
     onSettings(() => this.slices.settingsChanged());
     byId('undo').addEventListener('click', () => this.undo(false));
     byId('redo').addEventListener('click', () => this.undo(true));
@@ -74,7 +74,7 @@ export class App {
     // A page that the browser keeps for "back" must not go on driving.
     window.addEventListener('pagehide', () => this.connection.close());
     window.addEventListener('pageshow', (event) => event.persisted && this.connection.reopen());
-    matchMedia('(prefers-color-scheme: light)').addEventListener('change', () => this.refreshPanels());
+    onSettings(() => this.refreshPanels());
     this.readAddress();
     this.connection.open();
   }
@@ -280,7 +280,8 @@ export class App {
     this.film.stop();
     this.series.stop();
     this.probing.hide();
-    this.probing.unmark();
+    this.probing.places = [];
+    this.redraw();
   }
 
   // What shows it.
@@ -344,7 +345,7 @@ export class App {
     if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
     if (keys.has('clip')) this.clipPanel.refresh();
     if (keys.has('frame')) this.series.refresh();
-    this.slices.refresh(keys);
+    if (slicesShow.some((key) => keys.has(key))) this.slices.ask();
     const { state } = this.scene, { cross, places } = this.probing;
     this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross, places,
                                 slices: this.slices.boxes() });

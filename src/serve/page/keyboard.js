@@ -49,7 +49,7 @@ function actions(app) {
     ['b', 'scale bar on or off', toggle('scale')],
     ['g', 'colour bar on or off', toggle('colours')],
     ['x', 'handles of the clip box on or off', toggle('box')],
-    ['q', 'slices beside the volume on or off', () => app.slices.toggle()],
+    ['q', 'slices beside the volume on or off', toggle('slices')],
     ['[', 'the frame before, of a series', () => app.series.step(-1)],
     [']', 'the next frame', () => app.series.step(1)],
     ['l', 'play the series', () => app.series.toggle()],

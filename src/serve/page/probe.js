@@ -57,10 +57,6 @@ export class Probe {
     this.places = [...this.places.slice(-2), voxel];
     this.app.redraw();
   }
-  unmark() {
-    this.places = [];
-    this.app.redraw();
-  }
 
   /** From the place before to the last one; and the angle at the middle of three. */
   measures() {

@@ -3,6 +3,7 @@
 import { byId } from './dom.js';
 
 const key = 'ringsplat.settings';
+const light = matchMedia('(prefers-color-scheme: light)'), systemsTheme = () => (light.matches ? 'light' : 'dark');
 const defaults = { turning: 'trackball', theme: 'auto', logAxis: true, cube: true, scale: true, colours: true,
                    box: true, slices: false, folded: null };
 
@@ -37,6 +38,7 @@ const boxes = { 'show-cube': 'cube', 'show-scale': 'scale', 'show-colours': 'col
 
 /** Ties the page's fields to the settings. */
 export function attachSettings() {
+  light.addEventListener('change', () => set({}));
   for (const [id, name] of Object.entries(boxes))
     byId(id).addEventListener('change', (event) => set({ [name]: event.target.checked }));
   for (const radio of document.getElementsByName('turning'))
@@ -54,8 +56,7 @@ export function attachSettings() {
     for (const [id, name] of Object.entries(boxes)) byId(id).checked = settings[name];
     for (const radio of document.getElementsByName('turning')) radio.checked = radio.value === settings.turning;
     byId('theme').value = settings.theme;
-    if (settings.theme === 'auto') delete document.documentElement.dataset.theme;
-    else document.documentElement.dataset.theme = settings.theme;
+    document.documentElement.dataset.theme = settings.theme === 'auto' ? systemsTheme() : settings.theme;
     const folded = settings.folded ?? matchMedia('(max-width: 700px)').matches;
     document.body.classList.toggle('folded', folded);
     byId('unfold').setAttribute('aria-expanded', String(!folded));

@@ -3,10 +3,10 @@
 
 import { byId, clamp, cssColour, element, fitCanvas, onDrag, onKeys, onceAFrame, show } from './dom.js';
 import { ink, strokeTwice, write } from './overlay.js';
-import { set, settings } from './settings.js';
+import { settings } from './settings.js';
 import { showError } from './status.js';
 
-const names = ['x', 'y', 'z'], shownBy = ['transfer_function', 'channels', 'mode', 'frame', 'background'];
+const names = ['x', 'y', 'z'];
 const restBegins = 150;  // milliseconds without a move, until the value is asked for
 
 /** The slice across one axis: its picture, asked for anew when it is out of date, and its gestures. */
@@ -147,14 +147,7 @@ export class Slices {
     byId('stage').classList.toggle('with-slices', settings.slices);
     this.ask();
   }
-  toggle() {
-    set({ slices: !settings.slices });
-  }
 
-  /** What changed of the scene. */
-  refresh(keys) {
-    if (shownBy.some((key) => keys.has(key))) this.ask();
-  }
   ask() {
     for (const pane of this.panes) pane.ask();
   }
