@@ -26,8 +26,8 @@ std::unique_ptr<VolumeSource> open_mrc(const std::filesystem::path& path, const 
 std::unique_ptr<VolumeSource> open_mgh(const std::filesystem::path& path, const VolumeChoice& choice);
 /// The first image of at least three axes in a FITS file; also compressed by gzip, but not in tiles.
 std::unique_ptr<VolumeSource> open_fits(const std::filesystem::path& path, const VolumeChoice& choice);
-/// A folder of Zarr, OME-Zarr or N5: an array, an image, whose finest level it opens, or a group that holds one
-/// of these.
+/// A folder of Zarr, OME-Zarr or N5: an array, an image, whose finest level it opens, or a group that holds
+/// one of these.
 std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const VolumeChoice& choice);
 std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw);
 
