@@ -94,6 +94,7 @@ std::shared_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSp
     progress.clear();
     log_warning("{}", text);
   };
+  std::ios::sync_with_stdio(false);  // else std::cin takes an error for the end
   return ViewStream::of(std::cin, "--path -", o.frame.shown.camera, {check, warn});
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -101,12 +102,16 @@ class ViewStream {
     return !views_.empty() || !ended_;
   }
 
-  /// Throws InputError when lines were skipped or no view came. Call it when may_come() has become false.
+  /// Throws InputError when lines were skipped, when no view came or when reading failed. Call it when
+  /// may_come() has become false.
   void check_all_was_read() {
     const std::lock_guard lock(mutex_);
+    if (failed_)
+      throw InputError(fmt::format("{}: stdin cannot be read to its end; views rendered: {}", name_, taken_),
+                       "redirect a file or a pipe to it");
     if (skipped_ > 0)
       throw InputError(fmt::format("{}: {} of the lines give no view and were skipped; views rendered: {}",
-                                   name_, skipped_, taken_),
+                                   name_, skipped_.load(), taken_),
                        "the warnings above say what is wrong with them");
     if (taken_ == 0) throw InputError(fmt::format("{}: no view came on stdin", name_), path_line_hint);
   }
@@ -116,10 +121,11 @@ class ViewStream {
       : name_(std::move(name)), hooks_(std::move(hooks)), reader_(defaults) {}
 
   void read(std::istream& in) {
-    for (PathLine line; !stopped() && next_line(in, line);)
-      if (const auto view = view_of(line)) put(*view);
-    const std::lock_guard lock(mutex_);
-    ended_ = true;
+    for (PathLine line; !stopping_ && !ended_;)
+      if (!next_line(in, line))
+        failed_ = in.bad(), ended_ = true;
+      else if (const auto view = view_of(line))
+        put(*view);
   }
 
   /// No hook is called any more.
@@ -129,14 +135,10 @@ class ViewStream {
     stopping_ = true;
     changed_.notify_all();
   }
-  bool stopped() {
-    const std::lock_guard lock(mutex_);
-    return stopping_;
-  }
 
   std::optional<Camera> view_of(const PathLine& line) {
     const std::lock_guard calling(calls_);
-    if (stopped()) return std::nullopt;
+    if (stopping_) return std::nullopt;
     const std::string where = fmt::format("{}, line {}", name_, line.number);
     try {
       const auto view = reader_.read(line, where);
@@ -150,11 +152,7 @@ class ViewStream {
   }
 
   void skip(const std::string& why) {
-    std::size_t skipped = 0;
-    {
-      const std::lock_guard lock(mutex_);
-      skipped = ++skipped_;
-    }
+    const std::size_t skipped = ++skipped_;
     if (skipped <= most_warnings) hooks_.warn("skipped " + why);
     if (skipped == most_warnings)
       hooks_.warn(fmt::format("{}: further lines that give no view are only counted", name_));
@@ -174,8 +172,9 @@ class ViewStream {
   std::mutex mutex_;   ///< guards what follows
   std::condition_variable changed_;
   std::deque<Camera> views_;
-  std::size_t taken_ = 0, skipped_ = 0;  ///< views and lines in all
-  bool ended_ = false, stopping_ = false;
+  std::size_t taken_ = 0;  ///< views in all
+  std::atomic<bool> failed_{false}, ended_{false}, stopping_{false};
+  std::atomic<std::size_t> skipped_{0};  ///< lines in all
 };
 
 }  // namespace ringsplat::app

@@ -128,8 +128,13 @@ TEST_CASE("not every line of a flood of bad ones is warned of", "[threads]") {
                     Catch::Matchers::Contains("2000 of the lines give no view"));
 }
 
-TEST_CASE("a stream without a view is no good input", "[threads]") {
+TEST_CASE("a stream without a view is no good input, nor is one that cannot be read", "[threads]") {
   PipedStream piped;
   CHECK(piped.rest().empty());
   CHECK_THROWS_WITH(piped.stream().check_all_was_read(), Catch::Matchers::Contains("no view came"));
+  __gnu_cxx::stdio_filebuf<char> folder(open("/", O_RDONLY | O_CLOEXEC), std::ios::in);
+  std::istream in(&folder);
+  const auto stream = ViewStream::of(in, "views", {}, {[](const Camera&) {}, [](const std::string&) {}});
+  while (stream->may_come()) usleep(200);
+  CHECK_THROWS_WITH(stream->check_all_was_read(), Catch::Matchers::Contains("cannot be read"));
 }
