@@ -25,7 +25,6 @@ import { showDriver, showEnd, showError, showFacts, showLink, showVolume } from 
 import { TransferPanel } from './transfer_panel.js';
 import { ViewPanel } from './view_panel.js';
 
-const slicesShow = ['transfer_function', 'channels', 'mode', 'frame', 'background'];
 const lossesTold = 3;
 const waitTold = 1000;      // milliseconds without a picture
 const fragmentWait = 300;  // milliseconds; browsers limit how often the address may change
@@ -65,7 +64,7 @@ export class App {
     this.gestures = new Gestures(this, byId('picture'));
     attachKeyboard(this);
     attachSettings();
-    onSettings(() => this.slices.settingsChanged());
+    onSettings(() => byId('stage').classList.toggle('with-slices', settings.slices));
     byId('undo').addEventListener('click', () => this.undo(false));
     byId('redo').addEventListener('click', () => this.undo(true));
     byId('take-over').addEventListener('click', () => this.connection.send({ type: 'drive' }));
@@ -345,7 +344,7 @@ export class App {
     if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
     if (keys.has('clip')) this.clipPanel.refresh();
     if (keys.has('frame')) this.series.refresh();
-    if (slicesShow.some((key) => keys.has(key))) this.slices.ask();
+    this.slices.refresh();
     const { state } = this.scene, { cross, places } = this.probing;
     this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross, places,
                                 slices: this.slices.boxes() });

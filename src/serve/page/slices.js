@@ -6,7 +6,7 @@ import { ink, strokeTwice, write } from './overlay.js';
 import { settings } from './settings.js';
 import { showError } from './status.js';
 
-const names = ['x', 'y', 'z'];
+const names = ['x', 'y', 'z'], shownBy = ['transfer_function', 'channels', 'mode', 'frame', 'background'];
 const restBegins = 150;  // milliseconds without a move, until the value is asked for
 
 /** The slice across one axis: its picture, asked for anew when it is out of date, and its gestures. */
@@ -140,12 +140,14 @@ export class Slices {
   begin() {
     this.at = this.volume.dims.map((count) => Math.floor(count / 2));
     this.words = [];
-    this.ask();
+    this.looks = '';
   }
 
-  settingsChanged() {
-    byId('stage').classList.toggle('with-slices', settings.slices);
-    this.ask();
+  /** Asks anew where the scene looks otherwise; what turns the volume changes no slice. */
+  refresh() {
+    const looks = JSON.stringify(shownBy.map((key) => this.app.scene.state[key]));
+    if (looks !== this.looks) this.ask();
+    this.looks = looks;
   }
 
   ask() {
