@@ -28,29 +28,22 @@ constexpr int json_bins = 64, shown_bins = 16;
 constexpr double shown_shares[] = {0, 0.001, 0.01, 0.25, 0.5, 0.75, 0.99, 0.999, 1};
 constexpr std::array<bool, 3> all_sets{true, true, true};
 
-template <class F>
-void for_each_batch(VolumeSource& source, F&& f) {
-  const Grid& grid = source.grid();
-  constexpr std::size_t batch_bytes = std::size_t{8} << 20;
-  const std::size_t slice = grid.slice_bytes(Axis::z);
-  const int batch =
-      static_cast<int>(std::clamp<std::size_t>(batch_bytes / slice, 1, std::size_t(grid.dims.z)));
-  std::vector<std::byte> voxels(slice * std::size_t(batch));
-  for (int z = 0; z < grid.dims.z; z += batch) {
-    const int count = std::min(batch, grid.dims.z - z);
-    const std::span<std::byte> part(voxels.data(), slice * std::size_t(count));
-    source.read_slices(z, count, part);
-    f(std::span<const std::byte>(part));
-  }
-}
-
 ValueStatistics read_values(VolumeSource& source, Progress& progress) {
   const Grid& grid = source.grid();
   const VolumeNotes notes = source.notes();
+  constexpr std::size_t batch_bytes = std::size_t{8} << 20;
+  const std::size_t slice = grid.slice_bytes(Axis::z);
+  const int batch = int(std::clamp<std::size_t>(batch_bytes / slice, 1, std::size_t(grid.dims.z)));
+  std::vector<std::byte> voxels(slice * std::size_t(batch));
   int passes = 0;
   const Pass pass = [&](const RowVisitor& visit) {
     progress.begin(passes++ == 0 ? "reading the values" : "reading the values again", grid.dims.z);
-    for_each_batch(source, [&](std::span<const std::byte> rows) { visit(rows, grid.dims.x); });
+    for (int z = 0; z < grid.dims.z; z += batch) {
+      const int count = std::min(batch, grid.dims.z - z);
+      const std::span rows(voxels.data(), slice * std::size_t(count));
+      source.read_slices(z, count, rows);
+      visit(rows, grid.dims.x);
+    }
     progress.end();
   };
   Merging alone;
