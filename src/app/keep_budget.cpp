@@ -15,16 +15,19 @@ namespace {
 /// The hint: what to change for more exactness.
 std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double best) {
   std::vector<std::string> fixed;
-  if (o.fixed_opaque_threshold && frame.shown.opaque_threshold > 0) fixed.emplace_back("--opaque-threshold");
-  if (o.fixed_undersample && frame.shown.reduction.factor > 1) fixed.emplace_back("--undersample");
+  const auto note = [&](const char* option, bool coarse) {
+    if (coarse && o.fixed.contains(option)) fixed.emplace_back(option);
+  };
+  note("--opaque-threshold", frame.shown.opaque_threshold > 0);
+  note("--undersample", frame.shown.reduction.factor > 1);
   std::visit(
       [&](const auto& how) {
-        if (o.fixed_image_plane && how.image_plane == ImagePlane::slices) fixed.emplace_back("--image-plane");
+        note("--image-plane", how.image_plane == ImagePlane::slices);
         if constexpr (std::is_same_v<std::decay_t<decltype(how)>, Splats>) {
-          if (o.fixed_precision && how.precision != Precision::float32) fixed.emplace_back("--precision");
+          note("--precision", how.precision != Precision::float32);
         } else {
-          if (o.fixed_slabs && how.slabs < Sheets::most_slabs) fixed.emplace_back("--slabs");
-          if (o.fixed_light_points && how.light_points < 2) fixed.emplace_back("--light-points");
+          note("--slabs", how.slabs < Sheets::most_slabs);
+          note("--light-points", how.light_points < 2);
         }
       },
       frame.how);

@@ -32,14 +32,7 @@ std::string settings_text(const FrameSpec& spec, const ReferenceOptions& o) {
 }
 
 void check_options(const ReferenceOptions& o) {
-  if (o.truth == TruthKind::analytic) {
-    if (o.formula.empty())
-      throw InputError("--truth analytic needs --formula NAME", "ringsplat synth --list says what there is");
-    static_cast<void>(synth_field(o.formula));
-  } else if (!o.formula.empty()) {
-    throw InputError(fmt::format("--formula has no effect with --truth {}", to_string(o.truth)),
-                     "use --truth analytic");
-  }
+  if (o.truth == TruthKind::analytic) static_cast<void>(synth_field(o.formula));
   check_image_name(o.picture.output, "-o", true);
   const RenderOptions& p = o.picture;
   check_can_write(p.output, "-o");

@@ -170,7 +170,7 @@ LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
     load.with_normals |= needs_normals(other);
     load.with_cell_ranges |= needs_cell_ranges(other);
   }
-  if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();
+  if (o.budget.max_error && !o.budget.fixed.contains("--undersample")) load.factors = levels_to_choose_from();
   return load;
 }
 

@@ -16,7 +16,6 @@
 #include "base/output_file.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "net/message.hpp"
-#include "options/method_options.hpp"
 #include "options/option_values.hpp"
 #include "program/text_output.hpp"
 

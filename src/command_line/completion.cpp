@@ -1,4 +1,4 @@
-#include "command_line/subcommands.hpp"
+#include "command_line/command_line.hpp"
 
 #include <algorithm>
 #include <cctype>

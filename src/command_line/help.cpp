@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/text.hpp"
-#include "command_line/subcommands.hpp"
+#include "command_line/command_line.hpp"
 #include "options/contradictions.hpp"
 #include "options/option_values.hpp"
 

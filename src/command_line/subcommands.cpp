@@ -1,4 +1,4 @@
-#include "command_line/subcommands.hpp"
+#include "command_line/command_line.hpp"
 
 #include <fmt/format.h>
 
@@ -80,7 +80,6 @@ void add_serve(OptionList& list, AllOptions& all) {
   RenderOptions& o = all.serve.picture;
   // Less waiting for tokens; no picture changes (docs/performance.md).
   o.run.protocol.look_ahead = o.run.protocol.send_ahead = 4;
-  o.frame.how = sheets_of(Quality::best);
   add_volume(list, o, true);
   add_server_options(list, all.serve);
   add_camera_options(list, o);
@@ -92,9 +91,9 @@ void add_serve(OptionList& list, AllOptions& all) {
 Command settle_serve(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.serve.picture;
   if (asks_for_colour_maps("serve", o)) return Say{list_of_colour_maps()};
-  settle_mode(list, o);
+  settle_picture(list, o);
+  o.frame.shown.camera.fit = Fit::sphere;  // turning changes no sizes
   static_cast<void>(serve::frame_ancestors(all.serve.allowed_frames));
-  note_direction(list, o);  // it fits the sphere: turning changes no sizes
   if (o.run.topology == Topology::mesh && !list.is_given("--send-ahead")) o.run.protocol.send_ahead = 0;
   return all.serve;
 }
@@ -110,8 +109,7 @@ Command settle_info(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.info.picture;
   if (!all.info.presets && asks_for_colour_maps("info", o)) return Say{list_of_colour_maps()};
   refuse_several_channels("info", o.volume);
-  settle_fit(list, o);
-  o.frame.how = method_for(o.method);
+  settle_picture(list, o);
   return all.info;
 }
 
@@ -125,9 +123,7 @@ Command settle_reference(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.reference.picture;
   if (asks_for_colour_maps("reference", o)) return Say{list_of_colour_maps()};
   refuse_several_channels("reference", o.volume);
-  check_values_file(o);
-  settle_fit(list, o);
-  o.frame.how = method_for(o.method);
+  settle_picture(list, o);
   note_options_without_effect(list, all.reference);
   return all.reference;
 }

@@ -9,7 +9,7 @@
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "forecast/forecast.hpp"
-#include "options/method_options.hpp"
+#include "options/options.hpp"
 #include "program/kept_measurements.hpp"
 #include "session/render_frames.hpp"
 #include "volume/synth.hpp"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "options/method_options.hpp"
 #include "options/option_values.hpp"
 #include "options/options.hpp"
 #include "ringsplat/base/error.hpp"
@@ -49,6 +48,10 @@ const Rule all_rules[] = {
      "--path=- --trace --machine --error --max-error --values --colours --labels --tf-out",
      "leave it out, or draw one channel by itself", "{0} draws several channels, {1} is for one"},
     {"--mesh", excludes, "--gps", "the mesh says how many GPs there are: leave out --gps"},
+    {"--mesh", needs, "--topology=mesh", "add --topology mesh, or leave it out",
+     "{0} has no effect in a ring"},
+    {"--routing=direct", needs, "--topology=mesh", "add --topology mesh and --mesh, or leave it out",
+     "{0} has no effect in a ring"},
     {"--mesh", excludes, "--send-ahead",
      "in a mesh tokens wait, so that payloads do not meet: leave out --send-ahead"},
     {"--count-only", excludes, "--output", "nothing is drawn that could be written: leave out -o"},
@@ -74,6 +77,10 @@ const Rule all_rules[] = {
     {"--error=analytic", refused, "",
      "use ringsplat reference --truth analytic --formula NAME, then ringsplat compare",
      "--error analytic needs a formula, which a picture's volume does not name"},
+    {"--truth=analytic", needs, "--formula", "ringsplat synth --list says what there is",
+     "--truth analytic needs --formula NAME"},
+    {"--formula", needs, "--truth=analytic", "use --truth analytic",
+     "--formula has no effect without --truth analytic"},
     {"--error-pixels --error-seed", needs, "--error --max-error", "add --error method"},
     {"--prefilter", needs, "--undersample --max-error", "add --undersample 2"},
     {"--link-slots", needs, "--mesh", "add --topology mesh and --mesh"},

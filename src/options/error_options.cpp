@@ -1,7 +1,5 @@
-// Options of errors and truths.
+// Options of errors and truths, and what completes those of a picture.
 #include <fmt/format.h>
-
-#include <cmath>
 
 #include "base/text.hpp"
 #include "options/contradictions.hpp"
@@ -22,26 +20,8 @@ TruthKind truth_from(const std::string& name, const std::string& option) {
 
 namespace {
 
-Reader error_above_zero(std::optional<double>& target) {
-  return text([&target](const std::string& word, const std::string& option) {
-    const double error = read_number<double>(word, option);
-    if (!(std::isfinite(error) && error > 0))
-      throw InputError(fmt::format("{} {} is no error that a picture could keep", option, error),
-                       "give an RMSE above 0 in 1/255, for instance --max-error 0.5");
-    target = error;
-  });
-}
-
-/// Records which settings the user has fixed.
-void note_fixed_shortcuts(const OptionList& list, ErrorBudgetOptions& o) {
-  if (!o.max_error) return;
-  o.fixed_opaque_threshold = list.is_given("--opaque-threshold");
-  o.fixed_precision = list.is_given("--precision");
-  o.fixed_radius = list.is_given("--radius");
-  o.fixed_image_plane = list.is_given("--image-plane");
-  o.fixed_slabs = list.is_given("--slabs");
-  o.fixed_light_points = list.is_given("--light-points");
-  o.fixed_undersample = list.is_given("--undersample");
+double parse_error(const std::string& text, const std::string& option) {
+  return parse_positive(text, option, "give an RMSE above 0 in 1/255, for instance --max-error 0.5");
 }
 
 }  // namespace
@@ -59,7 +39,7 @@ void add_error_options(OptionList& list, RenderOptions& o) {
        "Choose the cheapest --opaque-threshold, --precision, --radius, --slabs, --light-points, "
        "--image-plane and --undersample whose RMSE against the method's truth stays within this, in 1/255; "
        "with --error field against the field's, and --engine, too; those given are kept",
-       error_above_zero(o.budget.max_error)},
+       parsed(o.budget.max_error, parse_error)},
   };
 }
 
@@ -82,9 +62,19 @@ void add_reference_options(OptionList& list, ReferenceOptions& o) {
   };
 }
 
-void check_values_file(const RenderOptions& o) {
-  if (o.colour.values && !o.output.empty() && !detail::lower_case(o.output).ends_with(".exr"))
-    throw InputError(fmt::format("-o {} cannot hold --values", o.output), "write an .exr");
+namespace {
+
+void settle_fit(const OptionList& list, RenderOptions& o) {
+  for (const char* const name :
+       {"--view", "--azimuth", "--elevation", "--matrix", "--eye", "--orbit", "--path", "--slice"})
+    o.direction_chosen = o.direction_chosen || list.is_given(name);
+  Camera& camera = o.frame.shown.camera;
+  if (o.fit && camera.fov > 0 && camera.eye)
+    throw InputError("--fit has no effect in perspective with --eye, which is where it is",
+                     "leave out --fit, and use --zoom or --fov");
+  const bool has_its_size = camera.matrix || (camera.fov > 0 && (camera.eye || camera.distance > 0));
+  const bool turns = o.orbit > 0 || !o.path.empty() || !o.views.empty();
+  camera.fit = has_its_size ? Fit::sphere : o.fit.value_or(turns ? Fit::sphere : Fit::box);
 }
 
 void settle_mode(const OptionList& list, RenderOptions& o) {
@@ -94,16 +84,25 @@ void settle_mode(const OptionList& list, RenderOptions& o) {
   if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
 }
 
+}  // namespace
+
 void settle_picture(const OptionList& list, RenderOptions& o) {
-  check_values_file(o);
+  if (o.colour.values && !o.output.empty() && !detail::lower_case(o.output).ends_with(".exr"))
+    throw InputError(fmt::format("-o {} cannot hold --values", o.output), "write an .exr");
   settle_fit(list, o);
   o.frame.how = method_for(o.method);
   settle_mode(list, o);
-  note_fixed_shortcuts(list, o.budget);
+  for (const char* const name : {"--opaque-threshold", "--precision", "--radius", "--image-plane", "--slabs",
+                                 "--light-points", "--undersample"})
+    if (o.budget.max_error && list.is_given(name)) o.budget.fixed.emplace(name);
   if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
   o.budget.to_field = o.budget.max_error && *o.error.truth == TruthKind::field;
   // A method's truth is its own, so that only the field's tells which engine is nearer.
-  if (o.budget.to_field && !engine_is_chosen(list)) o.budget.other_engine = method_for_other_engine(o.method);
+  if (o.budget.to_field && !engine_is_chosen(list)) {
+    MethodOptions other = o.method;
+    other.engine = Engine::splats;
+    o.budget.other_engine = method_for(other);
+  }
 }
 
 void note_options_without_effect(const OptionList& list, ReferenceOptions& o) {

@@ -39,15 +39,6 @@ Reader text(std::function<void(const std::string& text, const std::string& optio
   return {"TEXT", [take](const Words& words, const std::string& option) { take(words.front(), option); }};
 }
 
-Reader numbers(int count, std::function<void(const std::vector<double>& numbers)> take) {
-  const auto read = [take](const Words& words, const std::string& option) {
-    std::vector<double> all;
-    for (const std::string& word : words) all.push_back(read_number<double>(word, option));
-    take(all);
-  };
-  return {"FLOAT", read, count};
-}
-
 Reader flag(bool& target, bool meaning) {
   const auto read = [&target, meaning](const Words& words, const std::string& option) {
     if (is_set(words.back(), option)) target = meaning;

@@ -134,8 +134,6 @@ T read_number(const std::string& text, const std::string& option, const Bounds<T
 
 /// One word for `take(text, option)`, which may throw InputError.
 Reader text(std::function<void(const std::string& text, const std::string& option)> take);
-/// So many numbers, passed to `take` together.
-Reader numbers(int count, std::function<void(const std::vector<double>& numbers)> take);
 /// An option without a value, which gives `target` this one.
 Reader flag(bool& target, bool meaning = true);
 /// A text as it is.

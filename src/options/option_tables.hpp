@@ -31,19 +31,12 @@ void add_compare_options(OptionList& list, CompareOptions& o);
 void add_reference_options(OptionList& list, ReferenceOptions& o);
 void add_synth_options(OptionList& list, SynthOptions& o);
 
-/// The mode of several channels where none is given.
-void settle_mode(const OptionList& list, RenderOptions& o);
-/// What all pictures have in common. Throws InputError when options do not fit together.
+/// Completes what all pictures have in common: the method, the mode of several channels where none is given,
+/// what --zoom 1 fits, whether some option says from where the volume is seen, and what an error budget may
+/// change. Throws InputError when options do not fit together.
 void settle_picture(const OptionList& list, RenderOptions& o);
-/// Throws InputError when the picture's file cannot hold --values.
-void check_values_file(const RenderOptions& o);
 /// Records which given options change nothing: `reference` takes render's, and not all concern a truth.
 void note_options_without_effect(const OptionList& list, ReferenceOptions& o);
-
-/// Chooses what --zoom 1 fits, and notes whether some option says from where the volume is seen. Throws
-/// InputError for a --fit without effect.
-void settle_fit(const OptionList& list, RenderOptions& o);
-void note_direction(const OptionList& list, RenderOptions& o);
 
 /// Makes angles of --view. Without any option that says from where, a patient is seen from the front, all
 /// else from above and the right; but what would be seen from one of its narrow sides is seen from its broad

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -13,23 +14,34 @@
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "images/srgb.hpp"
+#include "options/option_list.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {
 
-/// `text` as 1 or `count` numbers separated by x, * or commas; one number stands for all.
+/// `text` as 1 or `count` numbers within the bounds, separated by x, * or commas; one number stands for all.
+/// Throws InputError: it is not what is `wanted`.
 template <class T>
-std::optional<std::vector<T>> one_or_all(std::string_view text, std::size_t count) {
+std::vector<T> one_or_all(const std::string& text, const std::string& option, std::size_t count,
+                          const Bounds<T>& bounds, const char* wanted, const char* example) {
   std::vector<T> values;
+  bool right = true;
   for (const auto part : split(text, "xX*,")) {
     const auto value = detail::number_in<T>(part);
-    if (!value) return std::nullopt;
-    values.push_back(*value);
+    right = right && value && bounds.hold(*value);
+    values.push_back(value.value_or(T{}));
   }
   if (values.size() == 1) values.resize(count, values.front());
-  if (values.size() != count) return std::nullopt;
+  if (!right || values.size() != count)
+    throw InputError(fmt::format("{} '{}' is {}", option, text, wanted),
+                     fmt::format("for instance {} {}", option, example));
   return values;
+}
+
+/// With blanks around it or not.
+std::optional<double> one_number(const std::string& text) {
+  return detail::number_in<double>(detail::trimmed(text));
 }
 
 constexpr std::pair<std::string_view, std::uint32_t> named_colours[] = {
@@ -68,29 +80,15 @@ bool take(std::string_view text, std::optional<int>& number) {
 }  // namespace
 
 Size parse_size(const std::string& text, const std::string& option) {
-  const auto sides = one_or_all<int>(text, 2);
-  if (!sides)
-    throw InputError(fmt::format("{} '{}' is no image size", option, text),
-                     fmt::format("for instance {} 512x512", option));
-  return {(*sides)[0], (*sides)[1]};
+  const auto sides = one_or_all<int>(text, option, 2, {}, "no image size", "512x512");
+  return {sides[0], sides[1]};
 }
 
 Size parse_mesh(const std::string& text, const std::string& option) {
-  const auto shape = one_or_all<int>(text, 2);
-  constexpr int most = 4096;  // the product stays far inside an int
-  if (!shape || std::any_of(shape->begin(), shape->end(), [](int n) { return n < 1 || n > most; }))
-    throw InputError(
-        fmt::format("{} '{}' is not a number of columns and of rows, each 1 to {}", option, text, most),
-        fmt::format("for instance {} 4x4", option));
-  return {(*shape)[0], (*shape)[1]};
-}
-
-int parse_count(const std::string& text, const std::string& option) {
-  const auto count = detail::number_in<int>(text);
-  if (!count)
-    throw InputError(fmt::format("{} cannot be '{}'", option, text),
-                     fmt::format("for instance {} 4", option));
-  return *count;
+  // The product stays far inside an int.
+  const auto shape = one_or_all<int>(text, option, 2, {1, 4096},
+                                     "not a number of columns and of rows, each 1 to 4096", "4x4");
+  return {shape[0], shape[1]};
 }
 
 double parse_memory(const std::string& text, const std::string& option) {
@@ -106,42 +104,35 @@ double parse_memory(const std::string& text, const std::string& option) {
 }
 
 glm::ivec3 parse_dims(const std::string& text, const std::string& option) {
-  const auto dims = one_or_all<int>(text, 3);
-  if (!dims || std::any_of(dims->begin(), dims->end(), [](int n) { return n < 1; }))
-    throw InputError(fmt::format("{} '{}' is not three numbers of voxels, each at least 1", option, text),
-                     fmt::format("for instance {} 256x256x128", option));
-  return {(*dims)[0], (*dims)[1], (*dims)[2]};
+  const auto dims = one_or_all<int>(text, option, 3, {.least = 1},
+                                    "not three numbers of voxels, each at least 1", "256x256x128");
+  return {dims[0], dims[1], dims[2]};
 }
 
 glm::dvec3 parse_spacing(const std::string& text, const std::string& option) {
-  const auto spacing = one_or_all<double>(text, 3);
-  if (!spacing ||
-      std::any_of(spacing->begin(), spacing->end(), [](double s) { return !(s > 0 && std::isfinite(s)); }))
-    throw InputError(fmt::format("{} '{}' is not three positive distances", option, text),
-                     fmt::format("for instance {} 0.5x0.5x1.2", option));
-  return {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
+  using Limits = std::numeric_limits<double>;
+  const auto spacing = one_or_all<double>(text, option, 3, {Limits::denorm_min(), Limits::max()},
+                                          "not three positive distances", "0.5x0.5x1.2");
+  return {spacing[0], spacing[1], spacing[2]};
 }
 
 DataRange parse_window(const std::string& text, const std::string& option) {
   const auto wrong = [&](const char* what) -> InputError {
     return {fmt::format("{} {}: {}", option, text, what), fmt::format("for instance {}=-100:300", option)};
   };
-  const auto colon = text.find(':');
-  if (colon == std::string::npos) throw wrong("is no window of values");
-  const auto low = parse_numbers(text.substr(0, colon)), high = parse_numbers(text.substr(colon + 1));
-  if (!low || !high || low->size() != 1 || high->size() != 1) throw wrong("is no window of values");
-  const DataRange window{low->front(), high->front()};
-  if (!std::isfinite(window.low) || !std::isfinite(window.high)) throw wrong("is not finite");
-  if (!(window.low < window.high)) throw wrong("does not ascend");
-  return window;
+  const auto colon = std::min(text.find(':'), text.size());
+  const auto low = one_number(text.substr(0, colon)), high = one_number(text.substr(colon).erase(0, 1));
+  if (!low || !high) throw wrong("is no window of values");
+  if (!std::isfinite(*low) || !std::isfinite(*high)) throw wrong("is not finite");
+  if (!(*low < *high)) throw wrong("does not ascend");
+  return {*low, *high};
 }
 
-double parse_density(const std::string& text, const std::string& option) {
-  const auto numbers = parse_numbers(text);
-  if (!numbers || numbers->size() != 1 || !(numbers->front() > 0) || !std::isfinite(numbers->front()))
-    throw InputError(fmt::format("{} {} is no number above 0", option, text),
-                     fmt::format("for instance {} 2, for a picture twice as dense", option));
-  return numbers->front();
+double parse_positive(const std::string& text, const std::string& option, const std::string& hint) {
+  const auto number = one_number(text);
+  if (!number || !(*number > 0) || !std::isfinite(*number))
+    throw InputError(fmt::format("{} {} is no number above 0", option, text), hint);
+  return *number;
 }
 
 FrameRange parse_frames(const std::string& text, const std::string& option) {
@@ -300,10 +291,8 @@ constexpr std::string_view unit = "mm";
 /// One number, or nothing where the text is empty. False when it is no number.
 bool take_number(const std::string& text, std::optional<double>& number) {
   if (detail::trimmed(text).empty()) return true;
-  const auto numbers = parse_numbers(text);
-  if (!numbers || numbers->size() != 1 || !std::isfinite(numbers->front())) return false;
-  number = numbers->front();
-  return true;
+  number = one_number(text);
+  return number && std::isfinite(*number);
 }
 
 Part parse_part(std::string_view given, const std::string& option, Axis axis) {

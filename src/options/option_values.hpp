@@ -25,9 +25,6 @@ Size parse_size(const std::string& text, const std::string& option);
 /// Columns and rows of a mesh: "4x3", or "4" for 4x4.
 Size parse_mesh(const std::string& text, const std::string& option);
 
-/// A whole number of any sign; the caller checks its range.
-int parse_count(const std::string& text, const std::string& option);
-
 /// Bytes: "8G", "500M", with powers of 1024; positive.
 double parse_memory(const std::string& text, const std::string& option);
 
@@ -56,8 +53,8 @@ std::string closest(const std::string& word, const std::vector<std::string>& kno
 
 /// "LO:HI", both finite and LO below HI.
 DataRange parse_window(const std::string& text, const std::string& option);
-/// A number above 0.
-double parse_density(const std::string& text, const std::string& option);
+/// A finite number above 0; `hint` shows one.
+double parse_positive(const std::string& text, const std::string& option, const std::string& hint);
 
 /// The labels of a segmentation that are shown.
 struct ShownLabels {

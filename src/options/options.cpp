@@ -9,7 +9,7 @@ namespace {
 Reader count_or_auto(std::optional<int>& count, std::vector<bool*> choices) {
   return text([&count, choices = std::move(choices)](const std::string& word, const std::string& option) {
     if (word != "auto")
-      count = parse_count(word, option);
+      count = read_number<int>(word, option);
     else
       for (bool* const choice : choices) *choice = true;
   });
@@ -207,7 +207,8 @@ void add_compare_options(OptionList& list, CompareOptions& o) {
       {"--fail-above", nullptr, nullptr, "Exit with 1 when the RMSE is above this, in 1/255",
        value(o.fail_above, {.least = 0})},
       {"--diff", "FILE", nullptr, "Write the difference: absolute, in an .exr signed", value(o.difference)},
-      {"--diff-scale", nullptr, initial, "Multiply the written difference", value(o.difference_scale)},
+      {"--diff-scale", nullptr, initial, "Multiply the written difference",
+       value(o.difference_scale, {-1e12, 1e12})},
       {"--json", nullptr, nullptr, "Write JSON", flag(o.json)},
   };
 }

@@ -4,11 +4,12 @@
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
+#include "frame/quality.hpp"
 #include "net/loopback.hpp"
-#include "options/method_options.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
@@ -92,6 +93,31 @@ std::string to_string(TruthKind kind);
 /// Throws InputError that lists the names; `option` is the option that was given.
 TruthKind truth_from(const std::string& name, const std::string& option);
 
+/// What turns voxels into pixels.
+enum class Engine { splats, sheets };
+constexpr const char* name(Engine engine) { return engine == Engine::splats ? Splats::name : Sheets::name; }
+
+/// How pictures are drawn when neither --engine nor --quality says: by sheets.
+inline constexpr Quality usual_quality = Quality::best;
+
+/// What the user says of a frame's method; method_for() makes the frame's `how` of it.
+struct MethodOptions {
+  std::optional<Engine> engine;
+  std::optional<Quality> quality;
+  /// Its kernel, payload and precision count; plane and samples are below.
+  Splats splats;
+  std::optional<ImagePlane> image_plane;
+  std::optional<double> samples;
+  std::optional<int> slabs, light_points;
+};
+
+/// The quality's method with all that `options` say instead, as far as the method has it (contradictions.hpp
+/// has the rules). Throws InputError for samples that splats cannot have.
+Method method_for(const MethodOptions& options);
+
+/// What the method's payloads hold, for messages: "splats", or "blocks" of sheets.
+const char* items_of(const Method& method);
+
 /// What `render --error` measures.
 struct ErrorOptions {
   std::optional<TruthKind> truth;  ///< nothing: measure nothing
@@ -100,11 +126,9 @@ struct ErrorOptions {
 };
 
 struct ErrorBudgetOptions {
-  std::optional<double> max_error;  ///< RMSE in 1/255 against the chosen truth; nothing: choose nothing
-  /// Settings that the user gave, so they are not chosen.
-  bool fixed_opaque_threshold = false, fixed_precision = false, fixed_radius = false,
-       fixed_image_plane = false, fixed_undersample = false, fixed_slabs = false, fixed_light_points = false;
-  bool to_field = false;  ///< the error is against the field's truth, not the method's
+  std::optional<double> max_error;   ///< RMSE in 1/255 against the chosen truth; nothing: choose nothing
+  std::set<std::string> fixed = {};  ///< the options of settings that the user gave, so they are not chosen
+  bool to_field = false;             ///< the error is against the field's truth, not the method's
   /// What the same options mean for the other engine, where the engine is to be chosen, too.
   std::optional<Method> other_engine;
 };

@@ -19,11 +19,12 @@ namespace {
 template <class T>
 Reader all_of(T& target) {
   constexpr std::size_t count = sizeof(ValueOf<T>) / sizeof(double);
-  return numbers(int(count), [&target](const std::vector<double>& given) {
+  const auto read = [&target](const Words& words, const std::string& option) {
     ValueOf<T> value{};
-    std::copy_n(given.begin(), count, &value[0]);
+    for (std::size_t k = 0; k < count; ++k) (&value[0])[k] = read_number<double>(words[k], option);
     target = value;
-  });
+  };
+  return {"FLOAT", read, int(count)};
 }
 
 Reader image_size(FrameSpec& frame) {
@@ -204,7 +205,10 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        "Window of values that the transfer function spans; a preset or a file is stretched onto it",
        parsed(o.colour.range, parse_window)},
       {"--opacity", "F", "1", "Makes the volume so many times as dense: 2 thicker, 0.5 thinner",
-       parsed(o.colour.opacity, parse_density)},
+       parsed(o.colour.opacity,
+              [](const std::string& text, const std::string& option) {
+                return parse_positive(text, option, "for instance --opacity 2, for a picture twice as dense");
+              })},
       {"--colours", "NAME", nullptr,
        "A colour map instead of the transfer function's own colours; list: shows the names",
        value(o.colour.colours)},
@@ -314,23 +318,6 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
               {{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}}),
        Mark::of_splats},
   };
-}
-
-void note_direction(const OptionList& list, RenderOptions& o) {
-  for (const char* const name :
-       {"--view", "--azimuth", "--elevation", "--matrix", "--eye", "--orbit", "--path", "--slice"})
-    o.direction_chosen = o.direction_chosen || list.is_given(name);
-}
-
-void settle_fit(const OptionList& list, RenderOptions& o) {
-  note_direction(list, o);
-  Camera& camera = o.frame.shown.camera;
-  if (o.fit && camera.fov > 0 && camera.eye)
-    throw InputError("--fit has no effect in perspective with --eye, which is where it is",
-                     "leave out --fit, and use --zoom or --fov");
-  const bool has_its_size = camera.matrix || (camera.fov > 0 && (camera.eye || camera.distance > 0));
-  const bool turns = o.orbit > 0 || !o.path.empty() || !o.views.empty();
-  camera.fit = has_its_size ? Fit::sphere : o.fit.value_or(turns ? Fit::sphere : Fit::box);
 }
 
 std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes) {

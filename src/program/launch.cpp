@@ -98,16 +98,9 @@ namespace {
 
 /// A mesh's shape gives the number of GPs; unless told otherwise each row has a Renderer at its left end.
 RunOptions with_mesh_counts(RunOptions o) {
-  if (o.topology == Topology::mesh) {
-    if (!o.mesh)
-      throw InputError("--topology mesh needs the mesh's columns and rows", "for instance --mesh 4x4");
-    o.gps = o.mesh->width * o.mesh->height;
-    if (!o.renderers) o.renderers = o.mesh->height;
-    return o;
-  }
-  if (o.mesh) throw InputError("--mesh has no effect in a ring", "add --topology mesh, or leave it out");
-  if (o.routing != Routing::manhattan)
-    throw InputError("--routing has no effect in a ring", "add --topology mesh and --mesh, or leave it out");
+  if (!o.mesh) return o;
+  o.gps = o.mesh->width * o.mesh->height;
+  if (!o.renderers) o.renderers = o.mesh->height;
   return o;
 }
 
@@ -116,7 +109,7 @@ Layout empty_layout(const RunOptions& o) {
   Layout layout{.placement = o.placement.value_or(Placement::dedicated),
                 .topology = o.topology,
                 .bundle = o.bundle.value_or(1)};
-  if (o.topology == Topology::mesh) {
+  if (o.mesh) {
     layout.mesh_columns = o.mesh->width;
     layout.mesh_rows = o.mesh->height;
     layout.routing = o.routing;

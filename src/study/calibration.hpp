@@ -27,7 +27,6 @@ class Calibration {
   /// Run it with one frame in flight, so that a frame's time is its own. It refers to this object.
   Director director();
 
-  std::size_t views() const { return views_.size(); }
   std::size_t frames() const { return frames_done_; }
   /// Call it when the director has no more frames.
   std::vector<MeasuredShortcuts> measured() const;

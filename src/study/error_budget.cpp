@@ -35,7 +35,7 @@ constexpr double same_time = 1.03;
 /// `how` as it is, with smaller kernels, and in coarser planes.
 std::vector<Splats> shapes(const Splats& how, const Shown&, const ErrorBudgetOptions& o) {
   std::vector<Splats> all{how};
-  if (!o.fixed_radius && how.image_plane == ImagePlane::screen) {
+  if (!o.fixed.contains("--radius") && how.image_plane == ImagePlane::screen) {
     for (const double radius : smaller_radii) {
       if (radius >= how.kernel_radius) continue;
       all.push_back(how);
@@ -43,7 +43,7 @@ std::vector<Splats> shapes(const Splats& how, const Shown&, const ErrorBudgetOpt
     }
   }
   for (const int samples : samples_of_splats) {
-    if (o.fixed_image_plane) break;
+    if (o.fixed.contains("--image-plane")) break;
     all.push_back(how);
     all.back().image_plane = ImagePlane::slices;
     all.back().plane_samples = samples;
@@ -57,8 +57,9 @@ std::vector<Sheets> fewer_slabs(const Sheets& how, const Shown& shown, const Err
   std::vector<Sheets> all{how};
   const auto add = [&](int slabs, int light_points) {
     Sheets other = how;
-    if (!o.fixed_slabs) other.slabs = slabs;
-    if (!o.fixed_light_points && shown.shading == Shading::phong) other.light_points = light_points;
+    if (!o.fixed.contains("--slabs")) other.slabs = slabs;
+    if (!o.fixed.contains("--light-points") && shown.shading == Shading::phong)
+      other.light_points = light_points;
     if (std::find(all.begin(), all.end(), other) == all.end()) all.push_back(other);
   };
   if (o.to_field && how.image_plane == ImagePlane::screen)
@@ -74,11 +75,11 @@ std::vector<Sheets> fewer_slabs(const Sheets& how, const Shown& shown, const Err
 std::vector<Sheets> shapes(const Sheets& how, const Shown& shown, const ErrorBudgetOptions& o) {
   std::vector<Sheets> all = fewer_slabs(how, shown, o);
   for (const double samples : samples_of_sheets) {
-    if (o.fixed_image_plane) break;
+    if (o.fixed.contains("--image-plane")) break;
     Sheets flat = how;
     flat.image_plane = ImagePlane::slices;
     flat.plane_samples = samples;
-    if (!o.fixed_slabs) flat.slabs = std::min(slabs_in_slices_plane, how.slabs);
+    if (!o.fixed.contains("--slabs")) flat.slabs = std::min(slabs_in_slices_plane, how.slabs);
     for (const Sheets& s : fewer_slabs(flat, shown, o))
       if (std::find(all.begin(), all.end(), s) == all.end()) all.push_back(s);
   }
@@ -93,7 +94,7 @@ const Sheets& coarsest(const std::vector<Sheets>& all) { return all.back(); }
 
 std::vector<Splats> with_precisions(const Splats& how, const ErrorBudgetOptions& o) {
   std::vector<Splats> all{how};
-  if (o.fixed_precision || how.payload != PayloadForm::runs) return all;
+  if (o.fixed.contains("--precision") || how.payload != PayloadForm::runs) return all;
   all.clear();
   for (const Precision precision : precisions) {
     all.push_back(how);
@@ -108,7 +109,7 @@ template <class How>
 void add_candidates(const How& how, const FrameSpec& frame, const ErrorBudgetOptions& o,
                     std::vector<Shortcuts>& all) {
   std::vector<double> thresholds{frame.shown.opaque_threshold};
-  if (!o.fixed_opaque_threshold)
+  if (!o.fixed.contains("--opaque-threshold"))
     thresholds.assign(std::begin(opaque_thresholds), std::end(opaque_thresholds));
   const auto add = [&](const How& shape, int undersample) {
     for (const How& precise : with_precisions(shape, o))
@@ -116,7 +117,7 @@ void add_candidates(const How& how, const FrameSpec& frame, const ErrorBudgetOpt
   };
   const std::vector<How> some = shapes(how, frame.shown, o);
   for (const How& shape : some) add(shape, frame.shown.reduction.factor);
-  if (o.fixed_undersample) return;
+  if (o.fixed.contains("--undersample")) return;
   for (const int factor : undersampling) add(coarsest(some), factor);
 }
 

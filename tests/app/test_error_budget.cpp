@@ -106,13 +106,12 @@ TEST_CASE("only what the user left open is to be chosen") {
   // Four radii on the screen, two kinds of the slices' plane, two levels in the coarser one.
   CHECK(all.size() == 4 * 3 * (4 + 2 + 2));
   ErrorBudgetOptions options;
-  options.fixed_radius = options.fixed_precision = options.fixed_opaque_threshold =
-      options.fixed_image_plane = options.fixed_undersample = true;
+  options.fixed = {"--radius", "--precision", "--opaque-threshold", "--image-plane", "--undersample"};
   frame.as<Splats>().kernel_radius = 1.3;
   frame.as<Splats>().precision = Precision::half;
   frame.shown.opaque_threshold = 0.25;
   CHECK(candidates(frame, options) == std::vector{Shortcuts{0.25, frame.how}});
-  options.fixed_opaque_threshold = false;
+  options.fixed.erase("--opaque-threshold");
   CHECK(candidates(frame, options).size() == 4);
   FrameSpec words;
   words.as<Splats>().payload = PayloadForm::words;
@@ -129,14 +128,14 @@ TEST_CASE("a fixed image plane or level is the only one") {
   frame.as<Splats>().image_plane = ImagePlane::slices;
   frame.as<Splats>().plane_samples = 2;
   ErrorBudgetOptions options;
-  options.fixed_image_plane = true;
+  options.fixed.insert("--image-plane");
   for (const Shortcuts& s : candidates(frame, options)) {
     const Splats how = std::get<Splats>(s.how);
     CHECK(how.image_plane == ImagePlane::slices);
     CHECK(how.plane_samples == 2);
     CHECK(how.kernel_radius == frame.as<Splats>().kernel_radius);
   }
-  options.fixed_undersample = true;
+  options.fixed.insert("--undersample");
   frame.shown.reduction.factor = 2;
   for (const Shortcuts& s : candidates(frame, options)) {
     CHECK(s.undersample == 2);
@@ -164,10 +163,9 @@ TEST_CASE("sheets are chosen among by slabs, light points and planes") {
   CHECK(most(all) == 3);
   options.to_field = true;
   CHECK(most(candidates(frame, options)) == 4);  // nearer to the field, though not to the method asked for
-  options.fixed_slabs = true;
+  options.fixed.insert("--slabs");
   CHECK(most(candidates(frame, options)) == 3);
-  options.fixed_light_points = options.fixed_image_plane = options.fixed_undersample =
-      options.fixed_opaque_threshold = true;
+  options.fixed.insert({"--light-points", "--image-plane", "--undersample", "--opaque-threshold"});
   CHECK(candidates(frame, options).size() == 1);
   // Light points mean nothing where nothing is lit.
   ErrorBudgetOptions unlit;

@@ -3,7 +3,6 @@
 
 #include "app/program_runner.hpp"
 #include "command_line/command_line.hpp"
-#include "command_line/subcommands.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;

@@ -3,9 +3,7 @@
 
 #include "app/program_runner.hpp"
 #include "command_line/command_line.hpp"
-#include "command_line/subcommands.hpp"
 #include "options/contradictions.hpp"
-#include "options/method_options.hpp"
 #include "options/option_tables.hpp"
 #include "support/catch.hpp"
 
@@ -123,10 +121,7 @@ TEST_CASE("the manual page tells which options exclude and which need each other
   const std::string page = said({"--man"});
   const std::string render = printed(section_of(page, "RENDER")), info = printed(section_of(page, "INFO"));
   CHECK_THAT(render, Contains(" Needs --kernel texture.\n"));
-  const bool splats =
-      ringsplat::app::engine_of(ringsplat::app::usual_quality) == ringsplat::app::Engine::splats;
-  CHECK_THAT(render, Contains(splats ? "1 to 16. Not with --engine sheets, --quality draft"
-                                     : "1 to 16. Needs --engine splats or --quality paper"));
+  CHECK_THAT(render, Contains("1 to 16. Needs --engine splats or --quality paper"));
   CHECK_THAT(render, Contains("light from everywhere. Not with --shading none."));
   CHECK_THAT(render, Contains("Pixels of the image.\n"));
   CHECK_THAT(render, Contains("the viewer climbs: 90 looks straight down, -90 up. Not with --matrix, --eye, "

@@ -39,9 +39,6 @@ TEST_CASE("meshes that cannot be are refused with a way out") {
   RunOptions colocated = mesh_options(Size{2, 2});
   colocated.placement = Placement::colocated;
   refused(colocated, true, 4, "--roles colocated");
-  RunOptions ring;
-  ring.mesh = Size{2, 2};
-  refused(ring, true, 6, "--topology mesh");
   RunOptions in_step = mesh_options(Size{2, 2});
   in_step.loopback.in_step = true;
   refused(in_step, true, 6, "--in-step");

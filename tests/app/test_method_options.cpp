@@ -1,6 +1,4 @@
 // Which method a command line's frame gets, and which combinations of options are refused.
-#include "options/method_options.hpp"
-
 #include "app/program_runner.hpp"
 #include "command_line/command_line.hpp"
 #include "support/catch.hpp"
@@ -127,8 +125,7 @@ TEST_CASE("options of one engine are refused with the other") {
     auto fine = words;
     fine.insert(fine.end(), {"--engine", "sheets"});
     CHECK(parse_render(fine).error.empty());
-    // Without a choice the usual quality's engine decides.
-    CHECK(parse_render(words).error.empty() == (engine_of(usual_quality) == app::Engine::sheets));
+    CHECK(parse_render(words).error.empty());
   }
 }
 
@@ -191,8 +188,7 @@ TEST_CASE("an error budget against the field chooses the engine where the user h
     CHECK_FALSE(budget(words).budget.other_engine.has_value());
   }
   // An option of the usual engine alone chooses it.
-  const char* own = engine_of(usual_quality) == app::Engine::splats ? "--radius" : "--slabs";
-  CHECK_FALSE(budget({"--error", "field", own, "1"}).budget.other_engine.has_value());
+  CHECK_FALSE(budget({"--error", "field", "--slabs", "1"}).budget.other_engine.has_value());
   // A method's truth is its own.
   for (const auto& words : std::vector<std::vector<std::string>>{{}, {"--error", "method"}}) {
     CHECK(budget(words).error.truth == TruthKind::method);

@@ -17,6 +17,7 @@
 #include "fuzz/driver.hpp"
 #include "fuzz/hdf5_seeds.hpp"
 #include "fuzz/tiff_seeds.hpp"
+#include "options/option_list.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/formats/open.hpp"
 
@@ -484,7 +485,7 @@ RawDescription description_of(const std::string& line) {
     if (key == "type") raw.type = scalar_type_from(value);
     if (key == "endian") raw.big_endian = value == "big";
     if (key == "spacing") raw.spacing = app::parse_spacing(value, "--spacing");
-    if (key == "offset") raw.offset = std::uint64_t(app::parse_count(value, "--offset"));
+    if (key == "offset") raw.offset = std::uint64_t(app::read_number<int>(value, "--offset"));
   }
   return raw;
 }

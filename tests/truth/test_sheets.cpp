@@ -6,7 +6,7 @@
 #include <random>
 
 #include "classify/auto_preset.hpp"
-#include "options/method_options.hpp"
+#include "frame/quality.hpp"
 #include "support/catch.hpp"
 #include "truth_support.hpp"
 
@@ -260,8 +260,8 @@ TEST_CASE("no label that is not there is seen between others, in any quality") {
   TransferFunction tf = constant_opacity(0);
   tf.colours = {{1.5, {1, 0, 0}}, {1.5, {0, 1, 0}}, {2.5, {0, 1, 0}}, {2.5, {0, 0, 1}}};
   tf.opacities = {{0.5, 0.0}, {0.5, 0.9}};
-  for (const Sheets& sheets : {sheets_of(Quality::draft), sheets_of(Quality::normal),
-                               sheets_of(Quality::best), Sheets{.slabs = 1}})
+  for (const Sheets& sheets :
+       {sheets_of(Quality::draft), sheets_of(Quality::normal), sheets_of(Quality::best), Sheets{.slabs = 1}})
     for (const Camera& camera : {Camera{}, oblique, Camera{.azimuth = 30, .elevation = 20, .fov = 50}}) {
       FrameSpec spec = label_spec(tf, Shading::phong, sheets, camera);
       spec.shown.material.specular = 0;
