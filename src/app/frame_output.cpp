@@ -41,33 +41,55 @@ double mean_opacity(const Image& image) {
   return image.rgba.empty() ? 0 : 4 * sum / double(image.rgba.size());
 }
 
-/// A useful picture has a tenth of all light stopped in the mean, and often more; a thousandth of that is
-/// nearly nothing.
-constexpr double least_mean_opacity = 0.1 / 1000;
-
 }  // namespace
 
 std::string why_empty(const FrameResult& result, const ValueRange& range) {
   const NodeStats sum = result.stats.total();
   if (sum.splats_drawn > 0) return {};
-  return why_nothing_is_visible(result.spec.shown.transfer_function, range,
-                                sum.visible_voxels + sum.voxels_outside);
+  const TransferFunction& tf = result.spec.shown.transfer_function;
+  ValueRange all = range;
+  all.low = tf.opacities.front().value;
+  all.high = tf.opacities.back().value;
+  const auto span = visible_span(tf, all);
+  const std::string opaque =
+      span ? fmt::format("from {:g} to {:g}", plain(span->low), plain(span->high)) : "nowhere";
+  const double low = plain(range.low), high = plain(range.high);
+  if (!tf.visible_within(range.low, range.high))
+    return fmt::format(
+        "the picture is empty: transfer function '{}' is opaque {}, but the volume's values run from {:g} to "
+        "{:g}; hint: try --tf auto",
+        tf.name, opaque, low, high);
+  if (sum.visible_voxels + sum.voxels_outside == 0)
+    return fmt::format(
+        "the picture is empty: transfer function '{}' is opaque {}, and no voxel has such a value though the "
+        "volume's run from {:g} to {:g}; hint: ringsplat info shows the histogram, or try --tf auto",
+        tf.name, opaque, low, high);
+  return fmt::format(
+      "the picture is empty: no visible voxel lies in it (values from {:g} to {:g}, transfer function '{}' "
+      "opaque {}); hint: check --zoom or --matrix, or try --tf auto",
+      low, high, tf.name, opaque);
 }
 
 std::string why_nearly_empty(const FrameResult& result) {
+  // A useful picture has a tenth of all light stopped in the mean, and often more; a thousandth of that is
+  // nearly nothing.
+  constexpr double least_mean_opacity = 0.1 / 1000;
   const double opacity = mean_opacity(result.image);
   if (result.stats.total().splats_drawn == 0 || opacity >= least_mean_opacity) return {};
-  return why_hardly_anything_is_visible(opacity, result.spec);
+  return fmt::format(
+      "the picture is nearly empty: its pixels stop {:.2g} of the light in the mean; hint: try --opacity {}, "
+      "a larger --zoom{}",
+      opacity, opacity > 1e-6 ? 10 : 1000,
+      result.spec.shown.transfer_function.name == "auto" ? "" : " or --tf auto");
 }
 
-FrameOutput::FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range,
-                         SliceMemory memory, const std::vector<DrawnChannel>& channels, Progress& progress)
-    : options_(options),
-      volume_(options.volume.path),
+FrameOutput::FrameOutput(const Job& job, const ValueRange& range, Progress& progress)
+    : job_(job),
+      options_(job.options),
+      volume_(job.options.volume.path),
       range_(range),
-      channels_(channels),
       progress_(progress),
-      stats_(std::make_unique<StatsOutput>(options, layout, std::move(memory))),
+      stats_(std::make_unique<StatsOutput>(job)),
       writer_([this](FinishedFrame&& frame) {
         write(frame, nullptr);
         progress_.at(double(seconds_.size()));
@@ -81,8 +103,9 @@ std::size_t FrameOutput::most_held(const RenderOptions& options, std::size_t fra
   return in_flight + std::min(frames, FrameWriter::room + 1);
 }
 
-void FrameOutput::take(FrameResult&& result, std::size_t view) {
-  FinishedFrame frame{std::move(result), output_file(options_, view), volume_, range_};
+void FrameOutput::take(FrameResult&& result) {
+  auto file = output_file(options_, std::size_t(result.spec.frame));
+  FinishedFrame frame{std::move(result), std::move(file), volume_, range_};
   if (options_.error.truth) {
     kept_.push_back({std::move(frame)});
     progress_.at(double(kept_.size()));
@@ -134,12 +157,13 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   const bool drawn = !options_.run.simulation.count_only, written = !options_.output.empty();
   const std::string label =
       written && !names_film(options_.output) ? file.string() : fmt::format("frame {}", result.spec.frame);
-  const Overlay overlay = written && annotation_ ? annotation_->overlay(result.spec, range) : Overlay{};
+  const Overlay overlay =
+      written && job_.annotation ? job_.annotation->overlay(result.spec, range) : Overlay{};
   if (written && names_film(options_.output))
     add_to_film(result.image, overlay);
   else if (written)
     write_image(result.image, file, options_.background,
-                picture_settings(result.spec, volume, options_.annotate, channels_, error), overlay);
+                picture_settings(result.spec, volume, options_.annotate, job_.channels, error), overlay);
   const NodeStats sum = result.stats.total();
   warn(label, drawn ? why_empty(result, range) : std::string(), empty_frames_);
   warn(label, drawn ? why_nearly_empty(result) : std::string(), nearly_empty_frames_);
@@ -153,7 +177,7 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
                               after, sum.visible_voxels, sum.splats_sent, items_of(result.spec.how), shown));
   seconds_.push_back(result.stats.seconds);
   period_sum_ += result.stats.period;
-  stats_->add(result, channels_, written ? file.string() : std::string(), error, volume);
+  stats_->add(result, written ? file.string() : std::string(), error, volume);
 }
 
 void FrameOutput::finish() {

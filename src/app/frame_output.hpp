@@ -11,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "app/annotation.hpp"
 #include "app/channels.hpp"
 #include "base/process.hpp"
 #include "images/drawing.hpp"
@@ -86,23 +85,20 @@ bool names_film(const std::filesystem::path& output);
 void check_film(const RenderOptions& options);
 
 class StatsOutput;
+struct Job;
 
 /// Outputs finished frames: pictures, a line of results each, and statistics. Lives on rank 0 and writes on a
 /// thread of its own.
 class FrameOutput {
  public:
-  /// All that is passed by reference must outlive it.
-  FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range, SliceMemory memory,
-              const std::vector<DrawnChannel>& channels, Progress& progress);
+  /// `range`: of the first volume's values. What is passed by reference must outlive it.
+  FrameOutput(const Job& job, const ValueRange& range, Progress& progress);
   ~FrameOutput();
 
-  /// Has annotations drawn into the files of all pictures, after their errors were measured. Before take().
-  void annotate(const Annotation& annotation) { annotation_ = annotation; }
-
-  /// Has the picture written. When its error is to be measured it keeps the picture until finish(), as a
-  /// truth takes too long for other ranks to wait. Throws RunError when an earlier picture could not be
-  /// written. `view` counts from 0.
-  void take(FrameResult&& result, std::size_t view);
+  /// Has the picture written; its frame's number counts views. When its error is to be measured it keeps the
+  /// picture until finish(), as a truth takes too long for other ranks to wait. Throws RunError when an
+  /// earlier picture could not be written.
+  void take(FrameResult&& result);
   /// The next frames show another volume of a series.
   void show(const std::string& volume, const ValueRange& range);
   /// Measures the kept pictures that were not measured yet.
@@ -133,11 +129,10 @@ class FrameOutput {
   const MeasuredError& error_of(KeptFrame& kept);
   std::string summary() const;
 
-  const RenderOptions& options_;
-  std::string volume_;  ///< path of the volume that is shown
+  const Job& job_;
+  const RenderOptions& options_;  ///< the job's
+  std::string volume_;            ///< path of the volume that is shown
   ValueRange range_;
-  std::optional<Annotation> annotation_;
-  const std::vector<DrawnChannel>& channels_;
   std::optional<serve::Movie> film_;  ///< -o FILM.mp4, once it has a picture
   int film_pictures_ = 0;
   Progress& progress_;

@@ -21,66 +21,26 @@
 namespace ringsplat::app {
 namespace {
 
-/// The views that are rendered, in their order: `views` first, then those of `stream`; null: no others.
-class Browsing {
- public:
-  /// `frame` holds what all frames have in common.
-  Browsing(const FrameSpec& frame, std::vector<Camera> views, std::shared_ptr<ViewStream> stream)
-      : frame_(frame), views_(std::move(views)), stream_(std::move(stream)) {}
-
-  /// The director of the run. `output` takes finished frames; both arguments must outlive the run.
-  Director director(FrameOutput& output, Progress& progress) {
-    Director director{[this, &progress] {
-                        auto frame = next();
-                        say_whether_waiting(frame.has_value(), progress);
-                        return frame;
-                      },
-                      [this, &output](FrameResult&& result) {
-                        --under_way_;
-                        const auto view = std::size_t(result.spec.frame);
-                        output.take(std::move(result), view);
-                      }};
-    if (stream_) director.may_come = [this] { return stream_->may_come(); };
-    return director;
-  }
-
-  /// Throws InputError when some of the stream's lines were no views. Call it when all frames are done.
-  void check_stream() {
-    if (stream_) stream_->check_all_was_read();
-  }
-
- private:
-  std::optional<FrameSpec> next() {
-    const auto view = next_view();
+/// Renders the stream's views as they come, and shows when it waits for one while none is under way.
+Director director_of(const FrameSpec& frame, const std::shared_ptr<ViewStream>& stream, FrameOutput& output,
+                     Progress& progress) {
+  const auto under_way = std::make_shared<int>(0);
+  const auto next = [=, &progress, waiting = false]() mutable -> std::optional<FrameSpec> {
+    const auto view = stream->next();
+    const bool waits = !view && *under_way == 0 && stream->may_come();
+    if (waits != std::exchange(waiting, waits)) progress.wait_for(waits ? "waiting for views on stdin" : "");
     if (!view) return std::nullopt;
-    ++under_way_;
-    FrameSpec spec = frame_;
+    ++*under_way;
+    FrameSpec spec = frame;
     spec.shown.camera = *view;
     return spec;
-  }
-
-  void say_whether_waiting(bool frame_comes, Progress& progress) {
-    const bool waiting = !frame_comes && under_way_ == 0 && stream_ && stream_->may_come();
-    if (waiting == waiting_) return;
-    waiting_ = waiting;
-    if (waiting)
-      progress.wait_for("waiting for views on stdin");
-    else
-      progress.go_on();
-  }
-
-  std::optional<Camera> next_view() {
-    if (next_listed_ < views_.size()) return views_[next_listed_++];
-    return stream_ ? stream_->next() : std::nullopt;
-  }
-
-  FrameSpec frame_;
-  std::vector<Camera> views_;
-  std::shared_ptr<ViewStream> stream_;
-  std::size_t next_listed_ = 0;  ///< into views_
-  int under_way_ = 0;            ///< frames
-  bool waiting_ = false;         ///< for a view, while no frame is being rendered
-};
+  };
+  const auto take = [=, &output](FrameResult&& result) {
+    --*under_way;
+    output.take(std::move(result));
+  };
+  return {next, take, [stream] { return stream->may_come(); }};
+}
 
 /// The stream of `--path -`. What is passed by reference must outlive it.
 std::shared_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSpec& frame, const Grid& grid,
@@ -113,20 +73,11 @@ bool writes_to_stdout(const RenderOptions& o) {
   return is_stdout(o.stats) || is_stdout(o.trace) || is_stdout(o.transfer_function_out);
 }
 
-/// Draws one volume of the series: with --frames one view of it, else all.
-void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum,
-          const Wiring& wiring, Launch& launch) {
-  const std::size_t channel = k % job.channels_drawn(), volume = k / job.channels_drawn();
-  std::vector<Camera> cameras = job.cameras;
-  if (job.options.frames && cameras.size() > 1) cameras = {cameras[volume]};
-  const auto take = [&](FrameResult&& result) {
-    const auto view = job.options.frames ? job.series[k].number : result.spec.frame;
-    sum.add(std::move(result), std::size_t(view), channel + 1 == job.channels_drawn());
-  };
-  const RunOptions& run = job.options.run;
-  render_all(std::move(scene), job.layout, run.protocol,
-             launch.rank() == 0 ? director_of(frames_of(frame, cameras), take) : Director{}, wiring,
-             run.engine);
+/// Once all frames are drawn. All ranks call it.
+void finish(FrameOutput& output, Launch& launch) {
+  if (launch.rank() == 0) output.finish();
+  launch.take_leave();
+  if (launch.rank() == 0) output.make_film();
 }
 
 /// Each volume, or channel, is drawn while the next is read. Transfer functions are those of the first
@@ -138,11 +89,8 @@ ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
   Scene scene = loader.load(0);
   std::vector<FrameSpec> frames{choose_frame(job, scene, wiring, progress, launch)};
   const ValueRange range = scene.values.range;
-  FrameOutput output(job.options, job.layout, range, job.memory, job.channels, progress);
-  if (job.annotation) {
-    job.annotation->keep_range(range);
-    output.annotate(*job.annotation);
-  }
+  if (job.annotation) job.annotation->keep_range(range);
+  FrameOutput output(job, range, progress);
   const bool first_rank = launch.rank() == 0;
   if (first_rank && job.options.frames)
     progress.print(fmt::format(
@@ -155,7 +103,7 @@ ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
     const double now = now_seconds();
     result.spec.frame = result.stats.frame = std::int64_t(view);
     result.stats.period = now - std::exchange(last_ended, now);
-    output.take(std::move(result), view);
+    output.take(std::move(result));
   });
   try {
     for (std::size_t k = 0; k < job.series.size(); ++k) {
@@ -173,9 +121,7 @@ ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
     throw;
   }
   progress.end();
-  if (first_rank) output.finish();
-  launch.take_leave();
-  if (first_rank) output.make_film();
+  finish(output, launch);
   return ExitCode::done;
 }
 
@@ -190,28 +136,28 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   const Wiring wiring = launch.wiring(o.run.loopback);
   Scene scene = load(job.volume, job.load, job.layout, wiring, progress);
   const FrameSpec frame = choose_frame(job, scene, wiring, progress, launch);
-  const ValueRange range = scene.values.range;
-  FrameOutput output(o, job.layout, range, job.memory, job.channels, progress);
-  if (job.annotation) output.annotate(*job.annotation);
-  const bool reads_stdin = o.path == "-";
-  Browsing browsing(
-      frame, job.cameras,
-      reads_stdin && launch.rank() == 0 ? views_on_stdin(o, frame, job.volume.grid, progress) : nullptr);
+  FrameOutput output(job, scene.values.range, progress);
+  std::shared_ptr<ViewStream> stream;
+  Director director;
+  if (launch.rank() == 0 && o.path == "-") {
+    stream = views_on_stdin(o, frame, job.volume.grid, progress);
+    director = director_of(frame, stream, output, progress);
+  } else if (launch.rank() == 0) {
+    const auto take = [&output](FrameResult&& result) { output.take(std::move(result)); };
+    director = director_of(frames_of(frame, job.cameras), take);
+  }
   progress.begin("rendering", double(job.cameras.size()));
   Trace trace;
   ProtocolOptions protocol = o.run.protocol;
   if (!o.trace.empty()) protocol.trace = &trace;
-  render_all(std::move(scene), job.layout, protocol,
-             launch.rank() == 0 ? browsing.director(output, progress) : Director{}, wiring, o.run.engine);
+  render_all(std::move(scene), job.layout, protocol, std::move(director), wiring, o.run.engine);
   progress.end();
   const auto judge = [&] { return output.judge(); };
   const auto replace = [&](FrameResult&& result) { output.replace(std::move(result)); };
   const bool held = !o.budget.max_error || hold_budget(job, {judge, replace}, wiring, progress, launch);
-  if (launch.rank() == 0) output.finish();
-  launch.take_leave();
-  if (launch.rank() == 0) output.make_film();
+  finish(output, launch);
   if (!o.trace.empty()) write_trace(trace, o.trace, job.layout, launch);
-  if (reads_stdin) launch.check_on_rank_0([&] { browsing.check_stream(); });
+  if (o.path == "-") launch.check_on_rank_0([&] { stream->check_all_was_read(); });
   return held ? ExitCode::done : ExitCode::comparison_failed;
 }
 

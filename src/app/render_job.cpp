@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "app/loading.hpp"
-#include "base/archive.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_geometry.hpp"
@@ -122,10 +121,7 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Came
 /// The volumes of the series in all of the channels that are drawn together.
 void part_into_channels(Job& job, const std::string& wanted, Launch& launch) {
   launch.check_on_rank_0([&] { job.channels = find_channels(job.series.front().volume, wanted); });
-  if (launch.ranks() > 1)
-    job.channels =
-        from_bytes<std::vector<DrawnChannel>>(launch.collectives().broadcast(to_bytes(job.channels), 0))
-            .value();
+  job.channels = launch.of_rank_0(job.channels);
   std::vector<SeriesEntry> parts;
   for (SeriesEntry& entry : job.series) {
     if (job.channels.empty()) entry.volume.choice.channel.clear();
@@ -146,7 +142,10 @@ void find_volumes(Job& job, Launch& launch) {
   if (names_channels(wanted)) o.volume.choice.channel = "all";
   job.series = find_series(o.volume, o.frames, launch);
   if (names_channels(wanted)) part_into_channels(job, wanted, launch);
+  if (o.frames && !o.output.empty()) launch.check_on_rank_0([&] { refuse_replacing_volumes(o, job.series); });
   o.volume = job.series.front().volume;
+  job.volume = open(o.volume, launch);
+  launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, job.volume.grid); });
 }
 
 std::size_t pictures_at_once(const Job& job, std::size_t views) {
@@ -195,10 +194,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
         "--frames, --channel: the next volume is read by the clock on the wall, not the simulated one",
         "simulate one volume and channel at a time");
   find_volumes(job, launch);
-  if (o.frames && !o.output.empty()) launch.check_on_rank_0([&] { refuse_replacing_volumes(o, job.series); });
-  job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
-  launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, grid); });
   std::string view_note;
   launch.check_on_rank_0([&] {
     view_note = complete_view(o, grid, job.volume.notes);
@@ -266,6 +262,21 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   without_outliers.high = scene.values.histogram.high;
   warn_of_errors(o, frame, without_outliers, progress, launch);
   return frame;
+}
+
+void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum,
+          const Wiring& wiring, Launch& launch) {
+  const std::size_t channel = k % job.channels_drawn(), volume = k / job.channels_drawn();
+  std::vector<Camera> cameras = job.cameras;
+  if (job.options.frames && cameras.size() > 1) cameras = {cameras[volume]};
+  const auto take = [&](FrameResult&& result) {
+    const auto view = job.options.frames ? job.series[k].number : result.spec.frame;
+    sum.add(std::move(result), std::size_t(view), channel + 1 == job.channels_drawn());
+  };
+  const RunOptions& run = job.options.run;
+  render_all(std::move(scene), job.layout, run.protocol,
+             launch.rank() == 0 ? director_of(frames_of(frame, cameras), take) : Director{}, wiring,
+             run.engine);
 }
 
 }  // namespace ringsplat::app

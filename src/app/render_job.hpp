@@ -40,7 +40,8 @@ struct Job {
 /// Most pictures of so many views that rank 0 holds at once: sums of channels wait for the last one.
 std::size_t pictures_at_once(const Job& job, std::size_t views);
 
-/// Finds the job's volumes, in all channels that are drawn together. All ranks throw the same InputError.
+/// Finds the job's volumes, in all channels that are drawn together, and opens the first. All ranks call it,
+/// and throw the same InputError.
 void find_volumes(Job& job, Launch& launch);
 
 /// Opens the volume and decides on everything that a run needs to know before loading. All ranks call it, and
@@ -55,6 +56,11 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
 
 /// Loads the scene again, from the same volume.
 Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch);
+
+/// Draws one of the job's volumes and channels: with --frames one view of it, else all. `sum` gets the
+/// pictures.
+void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum,
+          const Wiring& wiring, Launch& launch);
 
 /// Changes `frame` (on rank 0, which announces frames) to the cheapest setting that keeps the job's budget,
 /// by the stored calibration or a new one. All processes call it. Returns true when it rendered with `scene`,

@@ -10,7 +10,6 @@
 #include <string_view>
 #include <utility>
 
-#include "base/archive.hpp"
 #include "base/natural_order.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
@@ -191,9 +190,7 @@ std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::opt
   std::vector<SeriesEntry> entries;
   launch.check_on_rank_0([&] { entries = look_for(volume, frames); });
   if (!frames) return {{0, volume, base_name(volume.path)}};
-  if (launch.ranks() == 1) return entries;
-  const Block list = launch.collectives().broadcast(to_bytes(entries), 0);
-  entries = from_bytes<std::vector<SeriesEntry>>(list).value();
+  entries = launch.of_rank_0(entries);
   for (SeriesEntry& entry : entries) {
     VolumeOptions one = volume;
     one.path = std::move(entry.volume.path);

@@ -57,10 +57,8 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function, o.colour); });
   find_volumes(job, launch);
   refuse_long_series(job.volumes());
-  job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
   o.frame.shown.reduction.prefilter = true;
-  launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, grid); });
   std::string view_note;
   launch.check_on_rank_0([&] {
     view_note = complete_view(o, grid, job.volume.notes);

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "app/frame_output.hpp"
+#include "app/render_job.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "net/message.hpp"
@@ -62,20 +62,19 @@ inline json settings_of(const FrameSpec& spec, const std::vector<DrawnChannel>& 
 class StatsOutput {
  public:
   /// No file where the options name none. What is passed by reference must outlive it.
-  StatsOutput(const RenderOptions& options, const Layout& layout, SliceMemory memory)
-      : file_(options.stats),
+  explicit StatsOutput(const Job& job)
+      : job_(job),
+        file_(job.options.stats),
         lines_(std::filesystem::path(file_).extension() == ".jsonl"),
-        layout_(layout),
-        memory_(std::move(memory)),
-        as_table_(options.stats_as_table),
-        items_(items_of(options.frame.how)),
-        gps_(std::size_t(layout.gps)),
-        renderers_(std::size_t(layout.renderers)) {}
+        as_table_(job.options.stats_as_table),
+        items_(items_of(job.options.frame.how)),
+        gps_(std::size_t(job.layout.gps)),
+        renderers_(std::size_t(job.layout.renderers)) {}
 
   /// `picture`: the frame's file; empty when none was written. `error` may be null. Throws RunError when the
   /// file cannot be written.
-  void add(const FrameResult& frame, const std::vector<DrawnChannel>& channels, const std::string& picture,
-           const MeasuredError* error, const std::string& volume) {
+  void add(const FrameResult& frame, const std::string& picture, const MeasuredError* error,
+           const std::string& volume) {
     if (as_table_) {
       ++frames_;
       for (std::size_t g = 0; g < frame.stats.gps.size(); ++g) gps_.at(g) += frame.stats.gps[g];
@@ -84,11 +83,11 @@ class StatsOutput {
       items_ = items_of(frame.spec.how);
     }
     if (as_table_ || file_.empty()) return;
-    json j = json::parse(
-        to_json_text(frame.stats, layout_, settings_of(frame.spec, channels).dump(), name(frame.axis)));
+    json j = json::parse(to_json_text(frame.stats, job_.layout, settings_of(frame.spec, job_.channels).dump(),
+                                      name(frame.axis)));
     if (!picture.empty()) j["file"] = picture;
     j["volume"] = volume;
-    j["memory"] = to_json(memory_);
+    j["memory"] = to_json(job_.memory);
     if (error != nullptr) {
       j["error"] = to_json(*error);
       j["error"]["seconds"] = error->seconds;
@@ -126,11 +125,11 @@ class StatsOutput {
         "{} frame{}, sums\n{:>6}  {:<24}{:>10}{:>11}{:>7}{:>11}{:>13}{:>11}{:>15}{:>15}\n", frames_,
         frames_ == 1 ? "" : "s", "rank", "nodes", "busy s", "waiting s", "busy", "sent MB", "received MB",
         "memory MB", fmt::format("{} sent", items_), fmt::format("{} drawn", items_));
-    for (int rank = 0; rank < layout_.working_ranks(); ++rank) {
+    for (int rank = 0; rank < job_.layout.working_ranks(); ++rank) {
       NodeStats sum;
       std::string nodes;
       double there = 0;  // a rank's nodes take turns: while one works the other waits
-      for (const NodeId node : layout_.nodes_on(rank)) {
+      for (const NodeId node : job_.layout.nodes_on(rank)) {
         if (node == frame_buffer_id) continue;
         const NodeStats& one = (node.role == Role::gp ? gps_ : renderers_).at(std::size_t(node.index));
         sum += one;
@@ -144,14 +143,13 @@ class StatsOutput {
           megabytes(sum.payload_bytes_sent + sum.tile_bytes), megabytes(sum.payload_bytes_received),
           megabytes(sum.peak_memory), sum.splats_sent, sum.splats_drawn);
     }
-    if (layout_.idle > 0) text += fmt::format("{:>6}  idle\n", fmt::format("+{}", layout_.idle));
+    if (job_.layout.idle > 0) text += fmt::format("{:>6}  idle\n", fmt::format("+{}", job_.layout.idle));
     return text;
   }
 
+  const Job& job_;
   const std::string& file_;
-  const bool lines_;  ///< not an array
-  const Layout& layout_;
-  const SliceMemory memory_;
+  const bool lines_;     ///< not an array
   const bool as_table_;  ///< of sums, in place of JSON
   const char* items_;    ///< what payloads hold
   int frames_ = 0;

@@ -27,17 +27,6 @@ bool looks_like_a_file(const std::string& text) {
   return text.find('/') != std::string::npos || std::filesystem::path(text).has_extension();
 }
 
-/// The range of values from where the opacity first leaves zero to where it last returns to it.
-std::string visible_range(const TransferFunction& tf) {
-  const auto visible = [](const TransferFunction::OpacityPoint& p) { return p.opacity > 0; };
-  const auto first = std::find_if(tf.opacities.begin(), tf.opacities.end(), visible);
-  if (first == tf.opacities.end()) return "nowhere";
-  const auto last = std::find_if(tf.opacities.rbegin(), tf.opacities.rend(), visible).base() - 1;
-  const double from = first == tf.opacities.begin() ? first->value : (first - 1)->value;
-  const double to = last + 1 == tf.opacities.end() ? last->value : (last + 1)->value;
-  return fmt::format("from {:g} to {:g}", plain(from), plain(to));
-}
-
 /// From black to a channel's colour. Without light the steps are even on the display, as microscopes'
 /// programs show them; what is seen through haze would be too dark in that way. A surface has one colour.
 ColourMap map_to(const glm::dvec3& colour, Mode mode) {
@@ -155,36 +144,6 @@ std::string list_of_colour_maps() {
   std::string text;
   for (const auto& map : colour_map_names()) text += fmt::format("{:<22}{}\n", map.name, map.description);
   return text;
-}
-
-std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,
-                                   std::uint64_t visible_voxels) {
-  const double low = plain(range.low), high = plain(range.high);
-  if (!tf.visible_within(range.low, range.high))
-    return fmt::format(
-        "the picture is empty: transfer function '{}' is opaque {}, but the volume's values run from {:g} to "
-        "{:g}; hint: try --tf auto",
-        tf.name, visible_range(tf), low, high);
-  if (visible_voxels == 0)
-    return fmt::format(
-        "the picture is empty: transfer function '{}' is opaque {}, and no voxel has such a value though the "
-        "volume's "
-        "run from {:g} to {:g}; hint: ringsplat info shows the histogram, or try --tf auto",
-        tf.name, visible_range(tf), low, high);
-  return fmt::format(
-      "the picture is empty: no visible voxel lies in it (values from {:g} to {:g}, transfer function '{}' "
-      "opaque {}); hint: check "
-      "--zoom or --matrix, or try --tf auto",
-      low, high, tf.name, visible_range(tf));
-}
-
-std::string why_hardly_anything_is_visible(double mean_opacity, const FrameSpec& spec) {
-  return fmt::format(
-      "the picture is nearly empty: its pixels stop {:.2g} of the light in the mean; hint: try --opacity {}, "
-      "a larger "
-      "--zoom{}",
-      mean_opacity, mean_opacity > 1e-6 ? 10 : 1000,
-      spec.shown.transfer_function.name == "auto" ? "" : " or --tf auto");
 }
 
 std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range) {

@@ -1,5 +1,4 @@
 #pragma once
-#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -47,15 +46,6 @@ class TransferFunctionChoice {
 
 /// Names and descriptions, a line each.
 std::string list_of_colour_maps();
-
-/// Explains why a frame without splats shows nothing, and what to do: the transfer function's visible values
-/// lie outside the volume's range, no voxel has such a value, or all `visible_voxels` (an upper bound) lie
-/// outside the picture.
-std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,
-                                   std::uint64_t visible_voxels);
-
-/// The same for a frame of so little opacity that people take it for empty.
-std::string why_hardly_anything_is_visible(double mean_opacity, const FrameSpec& spec);
 
 /// Why sheets err with such a transfer function, and what to do: their tables have a thousand nodes for all
 /// values; empty where these suffice.

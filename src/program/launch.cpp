@@ -69,9 +69,8 @@ void Launch::require_same_options(const Facts& options) {
 void Launch::check_on_all_ranks(const std::function<void()>& check) { agree_after(*collectives_, check); }
 
 void Launch::check_on_rank_0(const std::function<void()>& check) {
-  const std::string error = rank() == 0 ? input_error_of(check) : std::string();
-  const std::string agreed = text_of(collectives_->broadcast(block_of_text(error), 0));
-  if (!agreed.empty()) throw InputError(agreed);
+  const std::string error = of_rank_0(rank() == 0 ? input_error_of(check) : std::string());
+  if (!error.empty()) throw InputError(error);
 }
 
 Outcome Launch::run_on_rank_0(const std::function<ExitCode()>& work) {

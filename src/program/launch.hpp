@@ -4,10 +4,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "base/archive.hpp"
 #include "mpi/session.hpp"
-#include "net/blocks.hpp"
 #include "options/options.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render.hpp"
@@ -58,7 +59,10 @@ class Launch {
   /// What rank 0 passes, on all ranks.
   template <class T>
   T of_rank_0(const T& value) {
-    return value_of<T>(collectives_->broadcast(block_of_value(value), 0), "what rank 0 decided");
+    auto sent = from_bytes<T>(collectives_->broadcast(to_bytes(value), 0));
+    if (!sent)
+      throw RunError("rank 0 sent something else than expected", "all ranks must run the same build");
+    return std::move(*sent);
   }
   /// Runs `work` on rank 0 while the others wait; all get its outcome, the text on rank 0 only.
   Outcome run_on_rank_0(const std::function<ExitCode()>& work);

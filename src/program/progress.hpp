@@ -88,15 +88,14 @@ class Progress {
     working_ = false;
     wipe();
   }
-  /// Shows until go_on() that the run waits for `what`, as in "waiting for views"; off a terminal prints it
-  /// only once. The time shown counts from go_on().
+  /// Shows that the run waits for `what`, as in "waiting for views", until called with an empty text; off a
+  /// terminal prints it only once. The time shown counts from the last call.
   void wait_for(const std::string& what) {
     const std::lock_guard lock(mutex_);
     wipe();
     waiting_for_ = what;
     start_clock();
   }
-  void go_on() { wait_for({}); }
   /// Writes a line of results without the bar getting into it.
   void print(const std::string& line) {
     if (listener_.print) return listener_.print(line);

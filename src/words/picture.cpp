@@ -180,13 +180,8 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
     Scene scene = app::load(job.volume, job.load, job.layout, wiring, progress);
     const FrameSpec frame = app::choose_frame(job, scene, wiring, progress, launch, channel);
     if (channel == 0) range = scene.values.range;
-    const auto add = [&](FrameResult&& result) {
-      const auto view = std::size_t(result.spec.frame);
-      sum.add(std::move(result), view, channel + 1 == job.channels_drawn());
-    };
     progress.begin("rendering", double(job.cameras.size()));
-    app::render_all(std::move(scene), job.layout, o.run.protocol,
-                    director_of(frames_of(frame, job.cameras), add), wiring, o.run.engine);
+    app::draw(job, channel, std::move(scene), frame, sum, wiring, launch);
     progress.end();
   }
   const auto judge = [&] {
