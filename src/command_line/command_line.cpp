@@ -16,12 +16,8 @@
 namespace ringsplat::app {
 namespace {
 
-/// An option's former name, which still works and is in no help. Notes it for the user once.
-std::string name_of_today(const std::string& name, std::vector<std::string>& notes) {
-  if (name != "slab") return name;
-  notes = {"--slab is now called --bundle; the old name goes with a later version"};
-  return "bundle";
-}
+/// The former name of --bundle, which still works and is in no help.
+constexpr const char* former_bundle = "--slab";
 
 /// What --version prints: the version, and which libraries this build has and which were left out. `mpi`
 /// names the library of the ranks; empty: there is none.
@@ -39,24 +35,20 @@ std::string version_text(const std::string& mpi) {
 /// TOML whose keys outside of any [section] are options of the subcommand on the command line.
 class SubcommandToml : public CLI::ConfigTOML {
  public:
-  SubcommandToml(const CLI::App& program, std::vector<std::string>& notes)
-      : program_(program), notes_(notes) {}
+  explicit SubcommandToml(const CLI::App& program) : program_(program) {}
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
     auto read = CLI::ConfigTOML::from_config(in);
     const auto chosen = program_.get_subcommands();
-    for (auto& item : read) {
-      item.name = name_of_today(item.name, notes_);
+    for (auto& item : read)
       if (item.parents.empty() && !chosen.empty() &&
           program_.get_option_no_throw("--" + item.name) == nullptr)
         item.parents = {chosen.front()->get_name()};
-    }
     return read;
   }
 
  private:
   const CLI::App& program_;
-  std::vector<std::string>& notes_;
 };
 
 std::string with_hint(const std::string& problem, const std::string& hint) {
@@ -70,6 +62,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options())
     for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+  std::erase(names, former_bundle);
   return names;
 }
 
@@ -133,6 +126,7 @@ void bind(CLI::App& app, const Option& option) {
   if (option.reader.repeats) bound->take_all();
   bound->description(option.help)->default_str(option.fallback)->required(option.mark == Mark::required);
   if (!option.is_positional()) bound->group(option.heading);  // CLI11 has a heading for arguments
+  if (option.name() == "--bundle") app.add_option(former_bundle)->type_name(option.form)->group("");
 }
 
 /// The command line as CLI11 takes it apart, and the options that its words are for.
@@ -155,17 +149,7 @@ class Parser {
     try {
       if (argc > 1 && argv[1] == std::string_view("--complete"))
         throw CallFor{completions(program_options(), subcommands_, {argv + 2, argv + argc})};
-      Words words(argv, argv + argc);
-      std::vector<const char*> with_names_of_today;
-      bool options = true;
-      for (std::string& word : words) {
-        options = options && word != "--";
-        const auto end = std::min(word.find('='), word.size());
-        if (options && word.starts_with("--"))
-          word = "--" + name_of_today(word.substr(2, end - 2), line_.notes) + word.substr(end);
-        with_names_of_today.push_back(word.c_str());
-      }
-      program_.parse(argc, with_names_of_today.data());
+      program_.parse(argc, argv);
       settle();
     } catch (const CallFor& call) {
       line_.command = Say{call.text};
@@ -206,7 +190,7 @@ class Parser {
         ->configurable(false);
     program_.add_flag("--verbose", line_.verbose, "Say more, on every rank");
     program_.set_config("--config", "", "A TOML file with options")->type_name("FILE");
-    program_.config_formatter(std::make_shared<SubcommandToml>(program_, line_.notes));
+    program_.config_formatter(std::make_shared<SubcommandToml>(program_));
     program_.allow_config_extras(CLI::config_extras_mode::error);
   }
 
@@ -238,7 +222,12 @@ class Parser {
     const auto chosen = std::find_if(subcommands_.begin(), subcommands_.end(),
                                      [&](const auto& one) { return app.get_name() == one.what->name; });
     OptionList& options = chosen->options;
-    for (Option& option : options) option.given = app.get_option(option.name())->results();
+    for (Option& option : options) {
+      option.given = app.get_option(option.name())->results();
+      if (option.name() != "--bundle" || app.count(former_bundle) == 0) continue;
+      line_.notes = {"--slab is now called --bundle; the old name goes with a later version"};
+      if (!option.is_given()) option.given = app.get_option(former_bundle)->results();
+    }
     options.read();
     const OptionList program = program_options();
     line_.options = settled_options(chosen->what->name, options, program);

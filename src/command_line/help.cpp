@@ -86,7 +86,7 @@ class HelpFormatter : public CLI::Formatter {
       }
       if (!entries.empty())
         text += fmt::format("\n{}{}:\n{}", group, all ? "" : " (more with --help-all)", entries);
-      else if (!all)
+      else if (!all && !group.empty())
         others.push_back(group.substr(0, group.find(" (")));
     }
     const std::string rest =
