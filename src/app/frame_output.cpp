@@ -97,12 +97,6 @@ FrameOutput::FrameOutput(const Job& job, const ValueRange& range, Progress& prog
 
 FrameOutput::~FrameOutput() = default;
 
-std::size_t FrameOutput::most_held(const RenderOptions& options, std::size_t frames) {
-  const auto in_flight = std::size_t(options.run.protocol.frames_in_flight);
-  if (options.error.truth) return std::max(in_flight, frames);
-  return in_flight + std::min(frames, FrameWriter::room + 1);
-}
-
 void FrameOutput::take(FrameResult&& result) {
   auto file = output_file(options_, std::size_t(result.spec.frame));
   FinishedFrame frame{std::move(result), std::move(file), volume_, range_};

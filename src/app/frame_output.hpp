@@ -112,8 +112,6 @@ class FrameOutput {
   /// Throws RunError when ffmpeg fails or the file cannot be written; a file that had the name is then still
   /// there.
   void make_film();
-  /// Most pictures held at once by a run with `options` and `frames` frames in all.
-  static std::size_t most_held(const RenderOptions& options, std::size_t frames);
 
  private:
   /// A frame whose error is to be measured, or was.

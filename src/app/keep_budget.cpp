@@ -74,8 +74,7 @@ bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, L
         [&] { calibration = std::make_unique<Calibration>(frame, views, settings, o.volume, o.error); });
     ProtocolOptions protocol = o.run.protocol;
     protocol.frames_in_flight = 1;
-    render_all(std::move(scene), job.layout, protocol, calibration ? calibration->director() : Director{},
-               launch.wiring(o.run.loopback), o.run.engine);
+    render_all(job, protocol, std::move(scene), calibration ? calibration->director() : Director{}, launch);
     progress.end();
     if (calibration) {
       measured = calibration->measured();
@@ -96,22 +95,21 @@ bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, L
 namespace {
 
 /// Draws these frames, which keep their numbers.
-void draw_again(Job& job, const std::vector<FrameSpec>& frames, const Gallery& gallery, const Wiring& wiring,
-                Progress& progress, Launch& launch) {
-  Scene scene = reload(job, wiring, progress, launch);
+void draw_again(Job& job, const std::vector<FrameSpec>& frames, const Gallery& gallery, Progress& progress,
+                Launch& launch) {
+  Scene scene = reload(job, progress, launch);
   const auto take = [&](FrameResult&& result) {
     result.spec.frame = result.stats.frame = frames[std::size_t(result.spec.frame)].frame;
     gallery.replace(std::move(result));
   };
   progress.begin("rendering", double(frames.size()));
-  render_all(std::move(scene), job.layout, job.options.run.protocol,
-             launch.rank() == 0 ? director_of(frames, take) : Director{}, wiring, job.options.run.engine);
+  render_all(job, job.options.run.protocol, std::move(scene), director_of(frames, take), launch);
   progress.end();
 }
 
 }  // namespace
 
-bool hold_budget(Job& job, const Gallery& gallery, const Wiring& wiring, Progress& progress, Launch& launch) {
+bool hold_budget(Job& job, const Gallery& gallery, Progress& progress, Launch& launch) {
   constexpr int attempts = 2;
   const double budget = *job.options.budget.max_error;
   bool held = true;
@@ -136,7 +134,7 @@ bool hold_budget(Job& job, const Gallery& gallery, const Wiring& wiring, Progres
       }
     });
     if (!launch.of_rank_0(!again.empty())) break;
-    draw_again(job, again, gallery, wiring, progress, launch);
+    draw_again(job, again, gallery, progress, launch);
   }
   return launch.of_rank_0(held);
 }

@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "app/render_job.hpp"
 #include "base/archive.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
@@ -127,6 +128,8 @@ TransferFunction stand_in_function() {
       .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
 }
 
+namespace {
+
 SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, SliceDealing dealing) {
   SliceMemory memory{load.kept_axes, std::vector<std::uint64_t>(std::size_t(dealing.gps), 0)};
   for (const int factor : load.factors) {
@@ -137,8 +140,6 @@ SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, SliceDeali
   }
   return memory;
 }
-
-namespace {
 
 std::vector<Layout> those_that_fit(std::vector<Layout> layouts, const Grid& grid, const LoadOptions& load) {
   const double machine = machine_memory_bytes();
@@ -170,27 +171,26 @@ Machine machine_of(const std::vector<Place>& places, double hop) {
   return machine;
 }
 
-/// The layout for --gps auto and --renderers auto: the one in which frames of these views are foreseen to
+/// The layout for --gps auto and --renderers auto: the one in which frames of the job's views are foreseen to
 /// take least, on the described machine or on this one. All ranks measure what a message costs; rank 0 prints
-/// its choice on stderr. Layouts whose GPs cannot hold their slices are left out. `cameras` are needed on
-/// rank 0 only; without any, the options' own view counts. All ranks call it before the volume is loaded; all
-/// throw the same InputError.
-Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, const Grid& grid,
-                    const LoadOptions& load, const std::vector<Place>& places, Launch& launch) {
+/// its choice on stderr. Layouts whose GPs cannot hold their slices are left out. Without views the options'
+/// own counts. All ranks call it before the volume is loaded; all throw the same InputError.
+Layout choose_roles(const Job& job, const std::vector<Place>& places, Launch& launch) {
+  const RenderOptions& o = job.options;
   const auto& described = o.run.simulation.machine;
   const int ranks = launch.ranks();
   auto layouts =
       layouts_to_choose_from(o.run, launch.over_mpi(), ranks,
                              described ? ranks_with_own_cores(*described, ranks) : ranks_with_cores(places));
-  if (!described) layouts = those_that_fit(std::move(layouts), grid, load);
+  if (!described) layouts = those_that_fit(std::move(layouts), job.volume.grid, job.load);
   const double hop = described ? 0 : measure_hop(*launch.transport());
   Layout chosen;
   launch.check_on_rank_0([&] {
     const auto source = open_volume(o.volume);
     const Machine machine = described ? *described : machine_of(places, hop);
-    Forecast forecast(*source, o.frame, TransferFunctionChoice(o.transfer_function, o.colour),
-                      some_views(cameras.empty() ? std::vector{o.frame.shown.camera} : cameras), machine,
-                      o.run.simulation.voxel_weight, ranks, o.run.protocol);
+    Forecast forecast(*source, o.frame, *job.transfer_function,
+                      some_views(job.cameras.empty() ? std::vector{o.frame.shown.camera} : job.cameras),
+                      machine, o.run.simulation.voxel_weight, ranks, o.run.protocol);
     const auto predictions =
         o.run.bundle || !described ? forecast.predict_all(layouts) : forecast.predict_bundles(layouts);
     chosen = predictions.front().layout;
@@ -209,22 +209,22 @@ int drawing_renderers(const Layout& layout, const std::vector<Place>& places, co
 }
 
 /// Of the GPs in this process.
-double slice_bytes_here(const SliceMemory& slices, const Layout& layout, const Launch& launch) {
+double slice_bytes_here(const Job& job, const Launch& launch) {
   double held = 0;
-  for (int gp = 0; gp < layout.gps; ++gp)
-    if (!launch.over_mpi() || layout.rank_of({Role::gp, gp}) == launch.rank())
-      held += double(slices.predicted[std::size_t(gp)]);
+  for (int gp = 0; gp < job.layout.gps; ++gp)
+    if (!launch.over_mpi() || job.layout.rank_of({Role::gp, gp}) == launch.rank())
+      held += double(job.memory.predicted[std::size_t(gp)]);
   return held;
 }
 
-double picture_bytes_here(int width, int height, std::size_t pictures, const Launch& launch) {
-  return launch.rank() == 0 ? 4.0 * sizeof(float) * width * height * double(pictures) : 0;
+double picture_bytes_here(const Job& job, std::size_t pictures, const Launch& launch) {
+  const Shown& shown = job.options.frame.shown;
+  return launch.rank() == 0 ? 4.0 * sizeof(float) * shown.width * shown.height * double(pictures) : 0;
 }
 
-void check_memory(int width, int height, std::size_t pictures, const SliceMemory& slices,
-                  const Layout& layout, const Launch& launch) {
-  const double machine = machine_memory_bytes(), held = slice_bytes_here(slices, layout, launch),
-               frames = picture_bytes_here(width, height, pictures, launch);
+void check_memory(const Job& job, std::size_t pictures, const Launch& launch) {
+  const double machine = machine_memory_bytes(), held = slice_bytes_here(job, launch),
+               frames = picture_bytes_here(job, pictures, launch);
   if (held + frames <= machine) return;
   throw InputError(fmt::format("this needs {:.1f} GiB for slices and {:.1f} GiB for pictures in one process, "
                                "but the machine has {:.1f} GiB",
@@ -233,39 +233,50 @@ void check_memory(int width, int height, std::size_t pictures, const SliceMemory
                                  : "use a smaller --size");
 }
 
+void log_roles(const Job& job, const Launch& launch) {
+  std::string axes;
+  for (const Axis axis : all_axes)
+    if (job.memory.kept_axes[std::size_t(axis)]) axes += name(axis);
+  for (int rank = 0; rank < job.layout.ranks(); ++rank) {
+    if (launch.over_mpi() && rank != launch.rank()) continue;
+    for (const NodeId node : job.layout.nodes_on(rank))
+      if (node.role == Role::gp)
+        log_debug("{} keeps slices of axes {}: {:.1f} MiB", to_string(node), axes,
+                  double(job.memory.predicted[std::size_t(node.index)]) / (1 << 20));
+      else
+        log_debug("{} is here", to_string(node));
+  }
+}
+
 }  // namespace
 
-std::size_t room_to_read_ahead(int width, int height, std::size_t pictures, const SliceMemory& slices,
-                               const Layout& layout, const Launch& launch) {
-  const double held = slice_bytes_here(slices, layout, launch),
-               needed = 2 * held + picture_bytes_here(width, height, pictures, launch);
+std::size_t room_to_read_ahead(const Job& job, std::size_t pictures, const Launch& launch) {
+  const double held = slice_bytes_here(job, launch),
+               needed = 2 * held + picture_bytes_here(job, pictures, launch);
   return needed <= machine_memory_bytes() ? std::size_t(held) : 0;
 }
 
-SliceMemory settle_layout(RenderOptions& o, Layout& layout, const std::vector<Camera>& cameras,
-                          const Grid& grid, const LoadOptions& load, std::size_t pictures,
-                          const std::vector<Place>& places, Launch& launch, std::size_t volumes) {
-  if (o.run.choose_roles) layout = choose_roles(o, cameras, grid, load, places, launch);
-  o.frame.division.dealt_to = drawing_renderers(layout, places, launch);
-  SliceMemory memory = predict_memory(grid, load, dealing_of(layout));
-  for (std::uint64_t& bytes : memory.predicted) bytes *= volumes;
-  launch.check_on_all_ranks(
-      [&] { check_memory(o.frame.shown.width, o.frame.shown.height, pictures, memory, layout, launch); });
-  return memory;
+void settle_layout(Job& job, const std::vector<Place>& places, std::size_t pictures, std::size_t volumes,
+                   Launch& launch) {
+  if (job.options.run.choose_roles) job.layout = choose_roles(job, places, launch);
+  job.options.frame.division.dealt_to = drawing_renderers(job.layout, places, launch);
+  job.memory = predict_memory(job.volume.grid, job.load, dealing_of(job.layout));
+  for (std::uint64_t& bytes : job.memory.predicted) bytes *= volumes;
+  launch.check_on_all_ranks([&] { check_memory(job, pictures, launch); });
+  log_roles(job, launch);
 }
 
-Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
-           Progress& progress) {
+Scene load(const Job& job, OpenedVolume& volume, Progress& progress, Launch& launch) {
   const PlainFloats as_before_the_first_frame;
-  const Watched watched(wiring.collectives, fmt::format("reading {}", volume.name));
+  const Watched watched(launch.collectives(), fmt::format("reading {}", volume.name));
   progress.begin("loading", 1);
-  LoadOptions told = options;
+  LoadOptions told = job.load;
   told.told = [&](double part) {
     // Memory for the slices comes before, at no pace that tells of the rest.
     if (part == 0) progress.begin("loading", 1);
     progress.at(part);
   };
-  Scene scene = load_scene(volume, told, layout, wiring);
+  Scene scene = load_scene(volume, told, job.layout, launch.wiring(job.options.run.loopback));
   progress.end();
   volume.source.reset();
   if (scene.values.range.empty())
@@ -274,28 +285,15 @@ Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layou
   return scene;
 }
 
-void render_all(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
-                const Wiring& wiring, const EngineOptions& engine) {
+void render_all(const Job& job, const ProtocolOptions& protocol, Scene scene, Director director,
+                Launch& launch) {
+  const RunOptions& run = job.options.run;
   try {
-    if (protocol.trace) protocol.trace->compare_clocks(wiring.collectives);
-    render_frames(std::move(scene), layout, protocol, std::move(director), wiring, engine);
+    if (protocol.trace) protocol.trace->compare_clocks(launch.collectives());
+    render_frames(std::move(scene), job.layout, protocol, std::move(director), launch.wiring(run.loopback),
+                  run.engine);
   } catch (const InputError& e) {
     throw RunError(e.what());
-  }
-}
-
-void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& launch) {
-  std::string axes;
-  for (const Axis axis : all_axes)
-    if (memory.kept_axes[std::size_t(axis)]) axes += name(axis);
-  for (int rank = 0; rank < layout.ranks(); ++rank) {
-    if (launch.over_mpi() && rank != launch.rank()) continue;
-    for (const NodeId node : layout.nodes_on(rank))
-      if (node.role == Role::gp)
-        log_debug("{} keeps slices of axes {}: {:.1f} MiB", to_string(node), axes,
-                  double(memory.predicted[std::size_t(node.index)]) / (1 << 20));
-      else
-        log_debug("{} is here", to_string(node));
   }
 }
 

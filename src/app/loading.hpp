@@ -13,6 +13,8 @@
 /// see that it fits into memory, load and render it.
 namespace ringsplat::app {
 
+struct Job;
+
 struct Place {
   std::string machine;
   std::vector<int> cores;  ///< that the rank may use
@@ -49,29 +51,23 @@ OpenedVolume open(const VolumeOptions& volume, Launch& launch);
 /// frame is checked.
 TransferFunction stand_in_function();
 
-SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, SliceDealing dealing);
-
-/// Chooses roles where that is left to the program, says how many Renderers get regions, and predicts what
-/// the slices of so many `volumes` take. Throws InputError on all ranks when some process's slices, or its
-/// frame buffer, which holds so many `pictures` at once, exceed the machine's memory.
-SliceMemory settle_layout(RenderOptions& o, Layout& layout, const std::vector<Camera>& cameras,
-                          const Grid& grid, const LoadOptions& load, std::size_t pictures,
-                          const std::vector<Place>& places, Launch& launch, std::size_t volumes = 1);
+/// Chooses roles where that is left to the program, says how many Renderers get regions, predicts what the
+/// slices of so many volumes take that are held at once, and logs what this rank does. Throws InputError on
+/// all ranks when some process's slices, or its frame buffer, which holds so many `pictures` at once, exceed
+/// the machine's memory.
+void settle_layout(Job& job, const std::vector<Place>& places, std::size_t pictures, std::size_t volumes,
+                   Launch& launch);
 
 /// Bytes that this process may hold of the next volume of a series while one is drawn: as many as it holds of
 /// one volume's slices, or none where the machine has no room for so many beside slices and pictures.
-std::size_t room_to_read_ahead(int width, int height, std::size_t pictures, const SliceMemory& slices,
-                               const Layout& layout, const Launch& launch);
+std::size_t room_to_read_ahead(const Job& job, std::size_t pictures, const Launch& launch);
 
-/// Deals an opened volume and closes it. Throws InputError when it has no finite value.
-Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
-           Progress& progress);
+/// Deals an opened volume of the job and closes it. Throws InputError when it has no finite value.
+Scene load(const Job& job, OpenedVolume& volume, Progress& progress, Launch& launch);
 
-/// Renders all frames. Every input was checked on all ranks before, so an error here ends the job.
-void render_all(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
-                const Wiring& wiring, const EngineOptions& engine);
-
-/// For --verbose: this rank's role.
-void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& launch);
+/// Renders all of rank 0's director's frames. Every input was checked on all ranks before, so an error here
+/// ends the job.
+void render_all(const Job& job, const ProtocolOptions& protocol, Scene scene, Director director,
+                Launch& launch);
 
 }  // namespace ringsplat::app

@@ -83,11 +83,10 @@ void finish(FrameOutput& output, Launch& launch) {
 /// Each volume, or channel, is drawn while the next is read. Transfer functions are those of the first
 /// volume, so that colours mean the same in all pictures.
 ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
-  const Wiring wiring = launch.wiring(job.options.run.loopback);
   const std::size_t volumes = job.volumes(), views = job.options.frames ? volumes : job.cameras.size();
-  SeriesLoader loader(job, wiring, pictures_at_once(job, views), progress, launch);
+  SeriesLoader loader(job, pictures_at_once(job, views), progress, launch);
   Scene scene = loader.load(0);
-  std::vector<FrameSpec> frames{choose_frame(job, scene, wiring, progress, launch)};
+  std::vector<FrameSpec> frames{choose_frame(job, scene, progress, launch)};
   const ValueRange range = scene.values.range;
   if (job.annotation) job.annotation->keep_range(range);
   FrameOutput output(job, range, progress);
@@ -110,10 +109,10 @@ ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
       const std::size_t channel = k % job.channels_drawn();
       if (k > 0) scene = loader.load(k);
       if (k > 0 && k < job.channels_drawn())
-        frames.push_back(choose_frame(job, scene, wiring, progress, launch, channel));
+        frames.push_back(choose_frame(job, scene, progress, launch, channel));
       loader.read_ahead(k + 1);
       if (channel == 0) output.show(job.series[k].volume.path, scene.values.range);
-      draw(job, k, std::exchange(scene, {}), frames[channel], sum, wiring, launch);
+      draw(job, k, std::exchange(scene, {}), frames[channel], sum, launch);
     }
   } catch (const InputError&) {
     progress.end();
@@ -133,28 +132,25 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   // Silent in a simulation: progress in simulated time tells nothing.
   Progress progress(launch.rank() != 0 || simulated(), writes_to_stdout(o) ? stderr : stdout);
   if (o.frames || !job.channels.empty()) return render_series(job, progress, launch);
-  const Wiring wiring = launch.wiring(o.run.loopback);
-  Scene scene = load(job.volume, job.load, job.layout, wiring, progress);
-  const FrameSpec frame = choose_frame(job, scene, wiring, progress, launch);
+  Scene scene = load(job, job.volume, progress, launch);
+  const FrameSpec frame = choose_frame(job, scene, progress, launch);
   FrameOutput output(job, scene.values.range, progress);
+  Director director = director_of(frames_of(frame, job.cameras),
+                                  [&output](FrameResult&& result) { output.take(std::move(result)); });
   std::shared_ptr<ViewStream> stream;
-  Director director;
   if (launch.rank() == 0 && o.path == "-") {
     stream = views_on_stdin(o, frame, job.volume.grid, progress);
     director = director_of(frame, stream, output, progress);
-  } else if (launch.rank() == 0) {
-    const auto take = [&output](FrameResult&& result) { output.take(std::move(result)); };
-    director = director_of(frames_of(frame, job.cameras), take);
   }
   progress.begin("rendering", double(job.cameras.size()));
   Trace trace;
   ProtocolOptions protocol = o.run.protocol;
   if (!o.trace.empty()) protocol.trace = &trace;
-  render_all(std::move(scene), job.layout, protocol, std::move(director), wiring, o.run.engine);
+  render_all(job, protocol, std::move(scene), std::move(director), launch);
   progress.end();
   const auto judge = [&] { return output.judge(); };
   const auto replace = [&](FrameResult&& result) { output.replace(std::move(result)); };
-  const bool held = !o.budget.max_error || hold_budget(job, {judge, replace}, wiring, progress, launch);
+  const bool held = !o.budget.max_error || hold_budget(job, {judge, replace}, progress, launch);
   finish(output, launch);
   if (!o.trace.empty()) write_trace(trace, o.trace, job.layout, launch);
   if (o.path == "-") launch.check_on_rank_0([&] { stream->check_all_was_read(); });

@@ -149,8 +149,11 @@ void find_volumes(Job& job, Launch& launch) {
 }
 
 std::size_t pictures_at_once(const Job& job, std::size_t views) {
-  const std::size_t sums = job.channels.empty() ? 0 : job.options.frames ? 1 : views;
-  return sums + FrameOutput::most_held(job.options, views);
+  const RenderOptions& o = job.options;
+  const std::size_t sums = job.channels.empty() ? 0 : o.frames ? 1 : views;
+  const auto in_flight = std::size_t(o.run.protocol.frames_in_flight);
+  return sums +
+         (o.error.truth ? std::max(in_flight, views) : in_flight + std::min(views, FrameWriter::room + 1));
 }
 
 namespace {
@@ -205,24 +208,22 @@ Job prepare(const RenderOptions& given, Launch& launch) {
       job.annotation.emplace(grid, job.volume.notes, o.background, o.colour.range, job.channels);
   });
   job.load = load_options(o, agree_on_axes(o, job.cameras, grid, launch));
-  job.memory = settle_layout(o, job.layout, job.cameras, grid, job.load,
-                             pictures_at_once(job, job.cameras.size()), places, launch);
+  settle_layout(job, places, pictures_at_once(job, job.cameras.size()), 1, launch);
   launch.check_on_rank_0([&] {
     if (!o.output.empty()) require_image_library();
   });
   if (!view_note.empty()) log_info("{}", view_note);
-  log_roles(job.layout, job.memory, launch);
   return job;
 }
 
-Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
+Scene reload(Job& job, Progress& progress, Launch& launch) {
   const Facts before = std::exchange(job.volume, open(job.options.volume, launch)).facts;
   launch.check_on_rank_0([&] {
     if (job.volume.facts != before)
       throw InputError(fmt::format("{} has changed since it was first read", job.options.volume.path),
                        "start again when nobody writes to it any more");
   });
-  return load(job.volume, job.load, job.layout, wiring, progress);
+  return load(job, job.volume, progress, launch);
 }
 
 namespace {
@@ -241,8 +242,7 @@ void warn_of_errors(const RenderOptions& o, const FrameSpec& frame, const ValueR
 
 }  // namespace
 
-FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch,
-                       std::size_t channel) {
+FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launch, std::size_t channel) {
   const RenderOptions& o = job.options;
   MadeFunction made;
   launch.check_on_rank_0([&] {
@@ -256,7 +256,7 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   FrameSpec frame = o.frame;
   made.set(frame.shown);
   if (o.budget.max_error && keep_budget(job, scene, frame, progress, launch))
-    scene = reload(job, wiring, progress, launch);
+    scene = reload(job, progress, launch);
   ValueRange without_outliers = scene.values.range;
   without_outliers.low = scene.values.histogram.low;
   without_outliers.high = scene.values.histogram.high;
@@ -264,8 +264,7 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   return frame;
 }
 
-void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum,
-          const Wiring& wiring, Launch& launch) {
+void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum, Launch& launch) {
   const std::size_t channel = k % job.channels_drawn(), volume = k / job.channels_drawn();
   std::vector<Camera> cameras = job.cameras;
   if (job.options.frames && cameras.size() > 1) cameras = {cameras[volume]};
@@ -273,10 +272,8 @@ void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, Fr
     const auto view = job.options.frames ? job.series[k].number : result.spec.frame;
     sum.add(std::move(result), std::size_t(view), channel + 1 == job.channels_drawn());
   };
-  const RunOptions& run = job.options.run;
-  render_all(std::move(scene), job.layout, run.protocol,
-             launch.rank() == 0 ? director_of(frames_of(frame, cameras), take) : Director{}, wiring,
-             run.engine);
+  render_all(job, job.options.run.protocol, std::move(scene), director_of(frames_of(frame, cameras), take),
+             launch);
 }
 
 }  // namespace ringsplat::app

@@ -51,16 +51,14 @@ Job prepare(const RenderOptions& given, Launch& launch);
 /// The part that all frames share, with the transfer function for the loaded scene, and under --max-error the
 /// shortcuts. May load the scene again, for another engine or after a calibration. `channel`: of those drawn
 /// together, that of the scene. On all ranks; the result is rank 0's.
-FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch,
-                       std::size_t channel = 0);
+FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launch, std::size_t channel = 0);
 
 /// Loads the scene again, from the same volume.
-Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch);
+Scene reload(Job& job, Progress& progress, Launch& launch);
 
 /// Draws one of the job's volumes and channels: with --frames one view of it, else all. `sum` gets the
 /// pictures.
-void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum,
-          const Wiring& wiring, Launch& launch);
+void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum, Launch& launch);
 
 /// Changes `frame` (on rank 0, which announces frames) to the cheapest setting that keeps the job's budget,
 /// by the stored calibration or a new one. All processes call it. Returns true when it rendered with `scene`,
@@ -77,6 +75,6 @@ struct Gallery {
 /// Draws pictures that break the budget again, with more exact settings, twice at most. All processes call
 /// it, after keep_budget and the run. Warns of each picture that is over the budget then; returns whether
 /// there is none.
-bool hold_budget(Job& job, const Gallery& gallery, const Wiring& wiring, Progress& progress, Launch& launch);
+bool hold_budget(Job& job, const Gallery& gallery, Progress& progress, Launch& launch);
 
 }  // namespace ringsplat::app

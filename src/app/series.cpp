@@ -200,12 +200,9 @@ std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::opt
   return entries;
 }
 
-SeriesLoader::SeriesLoader(Job& job, const Wiring& wiring, std::size_t pictures, Progress& progress,
-                           Launch& launch)
+SeriesLoader::SeriesLoader(Job& job, std::size_t pictures, Progress& progress, Launch& launch)
     : job_(job),
-      wiring_(wiring),
-      ahead_bytes_(room_to_read_ahead(job.options.frame.shown.width, job.options.frame.shown.height, pictures,
-                                      job.memory, job.layout, launch)),
+      ahead_bytes_(room_to_read_ahead(job, pictures, launch)),
       progress_(progress),
       launch_(launch),
       grid_(job.volume.grid),
@@ -218,7 +215,7 @@ Scene SeriesLoader::load(std::size_t k) {
     volume.source = std::make_unique<NotingSource>(std::move(volume.source), runs_);
   try {
     Progress& progress = std::exchange(loaded_one_, true) ? silent_ : progress_;
-    return app::load(volume, job_.load, job_.layout, wiring_, progress);
+    return app::load(job_, volume, progress, launch_);
   } catch (const InputError& e) {
     const std::string what = e.what();
     if (job_.series.size() == 1 || what.find(entry.volume.path) != std::string::npos) throw;

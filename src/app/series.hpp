@@ -11,8 +11,6 @@
 
 namespace ringsplat::app {
 
-struct Job;
-
 /// A volume of a series.
 struct SeriesEntry {
   int number = 0;  ///< of its picture: the one that --frames counts by
@@ -47,7 +45,7 @@ class SeriesLoader {
  public:
   /// Takes the job's opened volume. So many `pictures` are held at once beside the slices. What is passed by
   /// reference must outlive the loader. `progress` shows how far the first volume is.
-  SeriesLoader(Job& job, const Wiring& wiring, std::size_t pictures, Progress& progress, Launch& launch);
+  SeriesLoader(Job& job, std::size_t pictures, Progress& progress, Launch& launch);
 
   /// Throws the same InputError on all processes, with the volume's name, when it cannot be read, has another
   /// grid than the first or no finite value. No scene of an earlier volume should be alive, for its memory.
@@ -63,7 +61,6 @@ class SeriesLoader {
   OpenedVolume open_like_the_first(std::size_t k);
 
   const Job& job_;
-  const Wiring wiring_;
   const std::size_t ahead_bytes_;  ///< this process may hold of a volume that is read ahead
   Progress& progress_;
   Progress silent_{true};

@@ -65,10 +65,8 @@ Job prepare(const ServeOptions& options, Launch& launch) {
     check_first_view(o.frame, grid);
   });
   job.load = serve::needed_for_levels(o.frame, grid);
-  job.memory = settle_layout(o, job.layout, {o.frame.shown.camera}, grid, job.load, pictures_held, places,
-                             launch, job.channels_drawn());
+  settle_layout(job, places, pictures_held, job.channels_drawn(), launch);
   if (!view_note.empty()) log_info("{}", view_note);
-  log_roles(job.layout, job.memory, launch);
   return job;
 }
 
@@ -256,15 +254,13 @@ std::size_t load_next(std::size_t next, std::size_t shown, SeriesLoader& loader,
 
 /// Shows one volume of the series after another, as pages ask for them; the next in the same direction is
 /// read meanwhile.
-void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewer* viewer,
-                 const Wiring& wiring, Launch& launch) {
-  const RunOptions& run = job.options.run;
+void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewer* viewer, Launch& launch) {
   std::size_t shown = 0;
   bool backwards = false;
   while (true) {
     loader.read_ahead((backwards ? shown - 1 : shown + 1) * job.channels_drawn());
-    render_all(std::exchange(scene, {}), job.layout, run.protocol,
-               viewer != nullptr ? viewer->director() : Director{}, wiring, run.engine);
+    render_all(job, job.options.run.protocol, std::exchange(scene, {}),
+               viewer != nullptr ? viewer->director() : Director{}, launch);
     const auto next = agree_on_next(viewer, launch);
     if (!next) return;
     const std::size_t before = std::exchange(shown, load_next(*next, shown, loader, scene, viewer));
@@ -278,11 +274,9 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
   std::unique_ptr<serve::Viewer> viewer;
   Warnings warnings;
   Job job = prepare(options, launch);
-  const RunOptions& run = job.options.run;
   Progress progress(launch.rank() != 0, stderr);
-  const Wiring wiring = launch.wiring(run.loopback);
   const VolumeNotes notes = job.volume.notes;
-  SeriesLoader loader(job, wiring, pictures_held, progress, launch);
+  SeriesLoader loader(job, pictures_held, progress, launch);
   Scene scene = loader.load_channels(0);
   MadeFunction made;
   launch.check_on_rank_0([&] {
@@ -301,7 +295,7 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
   const auto opened = viewer && options.open ? open_in_browser(viewer->url()) : nullptr;
   if (!viewer) leave_the_end_to_rank_0();
   try {
-    show_series(loader, std::move(scene), job, viewer.get(), wiring, launch);
+    show_series(loader, std::move(scene), job, viewer.get(), launch);
   } catch (const std::exception& e) {
     if (viewer) viewer->end(e.what());
     throw;

@@ -168,7 +168,6 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
   app::Progress progress(listener(hooks));
   app::Job job = app::prepare(options, launch);
   const app::RenderOptions& o = job.options;
-  const Wiring wiring = launch.wiring(o.run.loopback);
   ValueRange range;
   std::vector<Picture> pictures;
   FrameSum sum([&](FrameResult&& result, std::size_t) {
@@ -177,11 +176,11 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
   });
   for (std::size_t channel = 0; channel < job.channels_drawn(); ++channel) {
     if (channel > 0) job.volume = app::open(job.series[channel].volume, launch);
-    Scene scene = app::load(job.volume, job.load, job.layout, wiring, progress);
-    const FrameSpec frame = app::choose_frame(job, scene, wiring, progress, launch, channel);
+    Scene scene = app::load(job, job.volume, progress, launch);
+    const FrameSpec frame = app::choose_frame(job, scene, progress, launch, channel);
     if (channel == 0) range = scene.values.range;
     progress.begin("rendering", double(job.cameras.size()));
-    app::draw(job, channel, std::move(scene), frame, sum, wiring, launch);
+    app::draw(job, channel, std::move(scene), frame, sum, launch);
     progress.end();
   }
   const auto judge = [&] {
@@ -201,7 +200,7 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
     picture = picture_of(std::move(result), o, range, job.annotation, job.channels);
   };
   if (o.budget.max_error)
-    app::hold_budget(job, {judge, replace}, wiring, progress, launch);
+    app::hold_budget(job, {judge, replace}, progress, launch);
   else if (o.error.truth)
     judge();
   return pictures;
