@@ -174,7 +174,7 @@ void add_colour_bar(Sheet& sheet, double bottom, const TransferFunction& tf, con
   if (!quantity.empty()) bar.top += 1.5 * letter;
   const double height = bar.bottom - bar.top;
   const int most_ticks = static_cast<int>(height / (2.2 * letter));
-  if (most_ticks < 2) return;
+  if (most_ticks < 2 || !std::isfinite(span.high - span.low)) return;
   const double step = round_step((span.high - span.low) / most_ticks);
   add_colours(sheet, bar, tf, span);
   if (!quantity.empty()) sheet.text(quantity, {right, sheet.margin() + 0.5 * letter}, 1);

@@ -194,6 +194,15 @@ TEST_CASE("values far from zero or close together have ticks that can be told ap
   }
 }
 
+TEST_CASE("values farther apart than any number have no colour bar", "[openimageio]") {
+  FrameSpec wide = frame(512, 512), clear = wide;
+  wide.shown.transfer_function = ramp(-1.7e308, 1.7e308);
+  clear.shown.transfer_function.opacities = {{0, 0}, {1, 0}};
+  const app::Annotation annotation(cube(), {}, std::nullopt);
+  CHECK(annotation.overlay(wide, range(-1.7e308, 1.7e308)).size() ==
+        annotation.overlay(clear, range(0, 255)).size());
+}
+
 TEST_CASE("annotations are drawn into a transparent picture, an opaque one and an .exr, and nowhere else",
           "[openimageio]") {
   const Files files;
