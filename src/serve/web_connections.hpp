@@ -49,14 +49,15 @@ struct ServerLimits {
   std::chrono::seconds silence{60};  ///< of a client that is pinged; pings wait behind what a slow line holds
 };
 
+constexpr ServerLimits limits;
+
 /// What all connections share; only the server's thread uses it.
 struct Shared {
-  ServerLimits limits;
   ServerEvents events;
   Access access;
-  std::string frame_ancestors;  ///< a list of the Content-Security-Policy
-  std::map<ClientId, std::weak_ptr<Client>> clients;
-  int pages = 0;  ///< connections that have shown the token
+  std::string frame_ancestors;          ///< a list of the Content-Security-Policy
+  std::map<ClientId, Client*> clients;  ///< that are open; each leaves the map when it goes
+  int pages = 0;                        ///< connections that have shown the token
   /// All others, in the order in which they came; each leaves the list when it goes.
   std::list<Visitor*> visitors;
   ClientId last_client = 0;
@@ -68,11 +69,7 @@ struct Shared {
 class Client : public std::enable_shared_from_this<Client> {
  public:
   Client(Shared& shared, tcp::socket&& socket)
-      : shared_(shared),
-        stream_(std::move(socket)),
-        timer_(shared.io),
-        id_(++shared.last_client),
-        allowance_(shared.limits.messages_per_second) {
+      : shared_(shared), stream_(std::move(socket)), timer_(shared.io), id_(++shared.last_client) {
     ++shared.pages;
   }
   ~Client() {
@@ -83,12 +80,12 @@ class Client : public std::enable_shared_from_this<Client> {
   }
 
   void accept(http::request<http::empty_body> request) {
-    stream_.read_message_max(shared_.limits.message_bytes);
+    stream_.read_message_max(limits.message_bytes);
     // A large file is sent in fragments, between which pings can go: without their answers a slow client
     // would be taken for a dead one.
     stream_.auto_fragment(true);
     stream_.write_buffer_bytes(std::size_t{1} << 16);
-    stream_.set_option(websocket::stream_base::timeout{shared_.limits.patience, shared_.limits.silence,
+    stream_.set_option(websocket::stream_base::timeout{limits.patience, limits.silence,
                                                        /*keep_alive_pings*/ true});
     stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
       response.set(http::field::sec_websocket_protocol, view(subprotocol));
@@ -97,7 +94,7 @@ class Client : public std::enable_shared_from_this<Client> {
     stream_.async_accept(*kept, [self = shared_from_this(), kept](error_code error) {
       if (error || self->shared_.ending) return;
       self->open_ = true;
-      self->shared_.clients[self->id_] = self;
+      self->shared_.clients[self->id_] = self.get();
       self->shared_.events.opened(self->id_);
       self->read();
     });
@@ -105,10 +102,7 @@ class Client : public std::enable_shared_from_this<Client> {
 
   void send(bool binary, std::shared_ptr<const std::string> bytes) {
     if (cut_off_) return;
-    if (waiting_ > shared_.limits.unsent_bytes) {
-      cut_off();
-      return;
-    }
+    if (waiting_ > limits.unsent_bytes) return cut_off();
     if (!outgoing_.empty()) waiting_ += bytes->size();
     outgoing_.push_back({binary, std::move(bytes)});
     if (outgoing_.size() == 1) write();
@@ -151,14 +145,11 @@ class Client : public std::enable_shared_from_this<Client> {
   /// Does not read on while the client sends too much; TCP then stops it.
   void wait_until_allowed() {
     const auto now = Clock::now();
-    const double rate = shared_.limits.messages_per_second;
+    constexpr double rate = limits.messages_per_second;
     allowance_ =
         std::min(rate, allowance_ + rate * std::chrono::duration<double>(now - counted_).count()) - 1;
     counted_ = now;
-    if (allowance_ > 0) {
-      read();
-      return;
-    }
+    if (allowance_ > 0) return read();
     timer_.expires_after(std::chrono::milliseconds(20));
     timer_.async_wait([self = shared_from_this()](error_code error) {
       if (!error && !self->cut_off_) self->read();
@@ -171,12 +162,12 @@ class Client : public std::enable_shared_from_this<Client> {
                         [self = shared_from_this()](error_code error, std::size_t) {
                           if (error || self->cut_off_) return;
                           self->outgoing_.pop_front();
-                          if (self->outgoing_.empty()) {
-                            if (self->closing_) self->start_closing();
-                            return;
+                          if (!self->outgoing_.empty()) {
+                            self->waiting_ -= self->outgoing_.front().bytes->size();
+                            self->write();
+                          } else if (self->closing_) {
+                            self->start_closing();
                           }
-                          self->waiting_ -= self->outgoing_.front().bytes->size();
-                          self->write();
                         });
   }
 
@@ -191,7 +182,7 @@ class Client : public std::enable_shared_from_this<Client> {
   std::deque<Outgoing> outgoing_;  ///< the first is being written
   std::size_t waiting_ = 0;        ///< bytes behind the first
   ClientId id_;
-  double allowance_;  ///< messages that may be read now
+  double allowance_ = limits.messages_per_second;  ///< messages that may be read now
   Clock::time_point counted_ = Clock::now();
   bool open_ = false, closing_ = false, cut_off_ = false;
 };
@@ -214,10 +205,9 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   }
 
   void read() {
-    parser_.emplace();
-    parser_->header_limit(static_cast<std::uint32_t>(shared_.limits.header_bytes));
-    stream_.expires_after(shared_.limits.patience);
-    http::async_read(stream_, buffer_, *parser_,
+    parser_.header_limit(static_cast<std::uint32_t>(limits.header_bytes));
+    stream_.expires_after(limits.patience);
+    http::async_read(stream_, buffer_, parser_,
                      [self = shared_from_this()](error_code error, std::size_t) { self->take(error); });
   }
 
@@ -226,75 +216,71 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     if (error == http::error::end_of_stream || error == beast::error::timeout ||
         error == asio::error::operation_aborted || error == asio::error::connection_reset)
       return;
-    if (error) return reply(http::status::bad_request, "text/plain", "this is no request\n", false);
-    answer(parser_->get());
+    if (error) return reply(http::status::bad_request, "this is no request\n");
+    answer(parser_.get());
   }
 
   void answer(const http::request<http::empty_body>& request) {
-    const bool alive = request.keep_alive();
     const std::string_view host = view(request[http::field::host]);
     if (request.count(http::field::host) != 1 || !shared_.access.host_allowed(host))
-      return reply(http::status::misdirected_request, "text/plain",
-                   "this server is not known by that name; --allow-host adds one\n", false);
+      return reply(http::status::misdirected_request,
+                   "this server is not known by that name; --allow-host adds one\n");
     if (websocket::is_upgrade(request)) return upgrade(host);
     if (request.method() != http::verb::get && request.method() != http::verb::head)
-      return reply(http::status::method_not_allowed, "text/plain", "only GET\n", false);
+      return reply(http::status::method_not_allowed, "only GET\n");
     std::string_view target = view(request.target());
     if (target == "/token") return judge_token(request);
     target = target.substr(0, target.find_first_of("?#"));
     if (target != "/" && target != "/index.html")
-      return reply(http::status::not_found, "text/plain", "there is no such file\n", alive);
-    reply_with_page(alive);
+      return reply(http::status::not_found, "there is no such file\n");
+    reply_with_page();
   }
 
   /// The page is asked for again only where it has changed, and compressed where that is understood.
-  void reply_with_page(bool alive) {
-    const auto& request = parser_->get();
+  void reply_with_page() {
+    const auto& request = parser_.get();
     const std::string tag = '"' + std::string(page_file.hash) + '"';
-    constexpr const char* type = "text/html; charset=utf-8";
     const bool known = view(request[http::field::if_none_match]).find(tag) != std::string_view::npos;
     const bool packed = view(request[http::field::accept_encoding]).find("gzip") != std::string_view::npos;
     http::fields more;
+    more.set(http::field::content_type, "text/html; charset=utf-8");
     more.set(http::field::etag, tag);
     more.set(http::field::cache_control, "no-cache");
     more.set(http::field::vary, "Accept-Encoding");
-    if (known) return reply(http::status::not_modified, type, "", alive, more);
+    if (known) return reply(http::status::not_modified, "", more);
     if (packed) more.set(http::field::content_encoding, "gzip");
-    reply(http::status::ok, type, packed ? page_file.gzipped : page_file.html, alive, more);
+    reply(http::status::ok, packed ? page_file.gzipped : page_file.html, more);
   }
 
   /// A page learns nothing from a WebSocket that is refused: it asks here whether its token was wrong.
   void judge_token(const http::request<http::empty_body>& request) {
     const bool right = shared_.access.is_token(view(request["Ringsplat-Token"]));
-    reply(right ? http::status::no_content : http::status::forbidden, "text/plain",
-          right ? "" : "the token is missing or wrong\n", request.keep_alive());
+    reply(right ? http::status::no_content : http::status::forbidden,
+          right ? "" : "the token is missing or wrong\n");
   }
 
   void upgrade(std::string_view host) {
-    const auto& request = parser_->get();
+    const auto& request = parser_.get();
     const std::string_view target = view(request.target());
     if (target.substr(0, target.find('?')) != "/ws")
-      return reply(http::status::not_found, "text/plain", "the page connects to ws\n", false);
+      return reply(http::status::not_found, "the page connects to ws\n");
     if (request.count(http::field::origin) != 1 ||
         !shared_.access.origin_allowed(view(request[http::field::origin]), host))
-      return reply(http::status::forbidden, "text/plain",
-                   "this origin may not connect; --allow-origin adds one\n", false);
+      return reply(http::status::forbidden, "this origin may not connect; --allow-origin adds one\n");
     if (request.count(http::field::sec_websocket_protocol) != 1 ||
         !shared_.access.may_connect(view(request[http::field::sec_websocket_protocol])))
-      return reply(http::status::forbidden, "text/plain", "the token is missing or wrong\n", false);
-    if (shared_.pages >= shared_.limits.pages)
-      return reply(http::status::service_unavailable, "text/plain", "too many pages\n", false);
+      return reply(http::status::forbidden, "the token is missing or wrong\n");
+    if (shared_.pages >= limits.pages) return reply(http::status::service_unavailable, "too many pages\n");
     stream_.expires_never();
-    std::make_shared<Client>(shared_, stream_.release_socket())->accept(parser_->release());
+    std::make_shared<Client>(shared_, stream_.release_socket())->accept(parser_.release());
   }
 
-  /// `more`: header fields besides those of all answers, or in their place.
-  void reply(http::status status, const char* type, std::string_view body, bool keep_alive,
-             const http::fields& more = {}) {
-    const unsigned version = parser_ ? parser_->get().version() : 11;
-    const bool head = parser_ && parser_->get().method() == http::verb::head;
-    auto response = std::make_shared<http::response<http::string_body>>(status, version);
-    response->set(http::field::content_type, type);
+  /// The only answer: a page needs no other, and its WebSocket is a connection of its own. `more`: header
+  /// fields besides those of all answers, or in their place.
+  void reply(http::status status, std::string_view body, const http::fields& more = {}) {
+    const auto& request = parser_.get();
+    auto response = std::make_shared<http::response<http::string_body>>(status, request.version());
+    response->set(http::field::content_type, "text/plain");
     response->set("Content-Security-Policy",
                   "default-src 'none'; script-src 'self' " + policy_source(page_file.script_hash) +
                       "; style-src 'self' " + policy_source(page_file.style_hash) +
@@ -307,17 +293,13 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     response->set(http::field::cache_control, "no-store");
     for (const auto& field : more) response->set(field.name(), field.value());
     response->body() = std::string(body);
-    response->keep_alive(keep_alive);
+    response->keep_alive(false);
     response->prepare_payload();
-    if (head) response->body().clear();
-    stream_.expires_after(shared_.limits.patience);
+    if (request.method() == http::verb::head) response->body().clear();
+    stream_.expires_after(limits.patience);
     http::async_write(stream_, *response,
                       [self = shared_from_this(), response](error_code error, std::size_t) {
-                        if (error) return;
-                        if (response->keep_alive())
-                          self->read();
-                        else
-                          self->stream_.socket().shutdown(tcp::socket::shutdown_send, error);
+                        self->stream_.socket().shutdown(tcp::socket::shutdown_send, error);
                       });
   }
 
@@ -329,7 +311,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   std::optional<std::list<Visitor*>::iterator> listed_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
-  std::optional<http::request_parser<http::empty_body>> parser_;
+  http::request_parser<http::empty_body> parser_;
 };
 
 }  // namespace ringsplat::serve::web

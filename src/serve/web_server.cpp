@@ -43,8 +43,7 @@ struct WebServer::Impl {
   void send(ClientId id, bool binary, std::shared_ptr<const std::string> bytes) {
     asio::post(shared_.io, [this, id, binary, bytes = std::move(bytes)] {
       const auto client = shared_.clients.find(id);
-      if (client == shared_.clients.end()) return;
-      if (const auto held = client->second.lock()) held->send(binary, bytes);
+      if (client != shared_.clients.end()) client->second->send(binary, bytes);
     });
   }
 
@@ -53,10 +52,9 @@ struct WebServer::Impl {
     error_code ignored;
     acceptor_.close(ignored);
     signals_.cancel(ignored);
-    for (auto next = shared_.clients.begin(); next != shared_.clients.end();) {
-      const auto held = (next++)->second.lock();  // which may be the last to hold it
-      if (held) held->send(false, last_text);
-      if (held) held->close();
+    for (const auto& [id, client] : shared_.clients) {
+      client->send(false, last_text);
+      client->close();
     }
     last_moment_ = Clock::now() + std::chrono::seconds(1);
     stop_soon();
@@ -106,7 +104,7 @@ struct WebServer::Impl {
   }
 
   void welcome(tcp::socket&& socket) {
-    if (shared_.visitors.size() >= shared_.limits.visitors) shared_.visitors.front()->give_way();
+    if (shared_.visitors.size() >= limits.visitors) shared_.visitors.front()->give_way();
     error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
     std::make_shared<Visitor>(shared_, std::move(socket))->read();
