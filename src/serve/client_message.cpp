@@ -135,9 +135,7 @@ void show_slice(Shown& shown, const json& j, const MessageRules& rules) {
   list_from(j, "slice", 2, 2);
   const auto axis = static_cast<int>(number_from(j[0], "the slice's axis", 0, 2));
   const auto index = static_cast<int>(number_from(j[1], "the slice", 0, rules.grid.dims[axis] - 1));
-  VoxelBox& box = shown.clip.emplace(whole_box(rules.grid));
-  box.first[axis] = index;
-  box.end[axis] = index + 1;
+  shown.clip = slice_box(rules.grid, axis, index);
   shown.camera = facing_slices(lattice_frame(rules.grid), Axis(axis), rules.patient);
   shown.shading = Shading::none;
   const bool labels = shown.interpolation == Interpolation::nearest;
@@ -245,6 +243,13 @@ json to_json(const SceneState& s) {
           {"background", {s.background.x, s.background.y, s.background.z}}};
 }
 
+VoxelBox slice_box(const Grid& grid, int axis, int index) {
+  VoxelBox box = whole_box(grid);
+  box.first[axis] = index;
+  box.end[axis] = index + 1;
+  return box;
+}
+
 std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 Mode mode_from(const json& j) {
@@ -294,14 +299,10 @@ ClientMessage parse_client_message(std::string_view text, const MessageRules& ru
   throw InputError("the message's type is not known");
 }
 
-std::optional<Request> request_of(std::string_view text) {
+std::optional<std::uint32_t> id_of(std::string_view text) {
   try {
     const json j = parsed(text);
-    if (!member(j, "id").is_number_unsigned()) return std::nullopt;
-    Request request{"", whole(j, "id")};
-    for (const char* type : {"probe", "map", "snapshot", "movie_frame"})
-      if (j.value("type", json()) == type) request.type = type;
-    return request;
+    return member(j, "id").is_number_unsigned() ? std::optional(whole(j, "id")) : std::nullopt;
   } catch (const InputError&) {
     return std::nullopt;
   }

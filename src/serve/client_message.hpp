@@ -103,6 +103,9 @@ struct MessageRules {
   int largest_side = 4096;
 };
 
+/// What shows one slice of the volume.
+VoxelBox slice_box(const Grid& grid, int axis, int index);
+
 /// Members that are missing are those of the initial scene. Throws InputError naming the member that is
 /// wrong.
 SceneState scene_from(const nlohmann::json& j, const MessageRules& rules);
@@ -111,13 +114,7 @@ SceneState scene_from(const nlohmann::json& j, const MessageRules& rules);
 /// an unknown type, a number that is not finite or out of range.
 ClientMessage parse_client_message(std::string_view text, const MessageRules& rules);
 
-/// What a page waits for an answer to.
-struct Request {
-  std::string type;  ///< "probe", "map", "snapshot" or "movie_frame"; empty when it is none of them
-  std::uint32_t id = 0;
-};
-
-/// Which request a message was, though it may be wrong; nothing when that cannot be told.
-std::optional<Request> request_of(std::string_view text);
+/// The number of a message that may be wrong otherwise; nothing when it has none.
+std::optional<std::uint32_t> id_of(std::string_view text);
 
 }  // namespace ringsplat::serve

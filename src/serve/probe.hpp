@@ -158,9 +158,7 @@ class Probe {
     const Camera facing = facing_slices(lattice, Axis(axis_), false);
     const glm::dvec3 seen = make_view(facing, lattice, 1, 1).project(at);
     shown.camera = camera_of_pixel(facing, lattice, 1, 1, seen.x, seen.y);
-    shown.clip = whole_box(grid_);
-    shown.clip->first[axis_] = slice;
-    shown.clip->end[axis_] = slice + 1;
+    shown.clip = slice_box(grid_, axis_, slice);
     shown.interpolation = Interpolation::linear;
     shown.mode = Mode::mip;
     show_range();

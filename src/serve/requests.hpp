@@ -41,16 +41,9 @@ namespace ringsplat::serve {
 /// thread.
 class Requests {
  public:
-  /// `wake`: called by any thread when there may be a frame to render. `levels`: how many there are; files
-  /// are drawn at the last. `ffmpeg`: without it there are no movies.
-  Requests(WebServer& server, std::function<void()> wake, const Grid& grid, std::vector<ValueRange> ranges,
-           int levels, std::optional<std::filesystem::path> ffmpeg)
-      : server_(server),
-        wake_(std::move(wake)),
-        grid_(grid),
-        levels_(levels),
-        ffmpeg_(std::move(ffmpeg)),
-        ranges_(std::move(ranges)) {}
+  /// `wake`: called by any thread when there may be a frame to render. `options` must outlive this.
+  Requests(WebServer& server, std::function<void()> wake, const ViewerOptions& options)
+      : server_(server), wake_(std::move(wake)), options_(options), ranges_(options.volume.ranges) {}
 
   ~Requests() { stop(); }
   Requests(const Requests&) = delete;
@@ -60,23 +53,18 @@ class Requests {
   /// them. All throw InputError when there is too much to do already, and for a movie whatever is wrong with
   /// it. A probe is of volume `volume` of the series; a file says its own.
   void add(ClientId client, const ProbeMessage& asked, const VolumeFrame& best, int volume) {
+    const Grid& grid = options_.volume.grid;
     const Probe probe =
-        asked.scene ? Probe(best.spec, grid_, asked.voxel) : Probe(best.spec, grid_, asked.x, asked.y);
+        asked.scene ? Probe(best.spec, grid, asked.voxel) : Probe(best.spec, grid, asked.x, asked.y);
     Probing probing{client, asked.id, probe, volume, best.volume};
     const std::lock_guard lock(mutex_);
     if (const auto old = probes_.find(client); old != probes_.end())
-      server_.send_text(client, error_text("another pixel was asked for", Request{"probe", old->second.id}));
+      server_.send_text(client, error_text("another pixel was asked for", old->second.id));
     probes_.insert_or_assign(client, std::move(probing));
   }
   void add(ClientId client, const FileMessage& asked, std::vector<VolumeFrame> best) {
     const std::lock_guard lock(mutex_);
-    File file{.client = client,
-              .request = {asked.movie ? "movie_frame" : "snapshot", asked.id},
-              .frames = std::move(best),
-              .scene = asked.scene,
-              .exr = asked.exr,
-              .movie = asked.movie ? movie_for(client, asked) : nullptr,
-              .index = asked.movie ? asked.movie->index : 0};
+    File file{client, asked, std::move(best), asked.movie ? movie_for(client, asked) : nullptr};
     const auto waiting =
         std::count_if(files_.begin(), files_.end(), [&](const File& f) { return f.client == client; });
     if (waiting >= most_waiting)
@@ -87,7 +75,7 @@ class Requests {
   /// Gives a client's movie up. Another number than its movie's: nothing happens.
   void cancel_movie(ClientId client, std::uint32_t id) {
     const std::lock_guard lock(mutex_);
-    if (movie_ && movie_->client == client && movie_->id == id) give_movie_up();
+    if (movie_ && movie_->is(client, id)) give_movie_up();
   }
 
   /// The client is gone.
@@ -97,7 +85,7 @@ class Requests {
     if (probing_ && probing_->client == client) probing_->forgotten = true;
     std::erase_if(files_, [client](const File& file) { return file.client == client; });
     if (making_ && making_->client == client) making_->forgotten = true;
-    if (movie_ && movie_->client == client) give_movie_up();
+    if (movie_ && movie_->is_of(client)) give_movie_up();
   }
 
   /// No more frames will be rendered.
@@ -130,8 +118,8 @@ class Requests {
     if (ended_) return std::nullopt;
     if (probing_ && probing_->frame < 0 && !probing_->forgotten && probing_->volume != volume_)
       return probing_->volume;
-    if (files_.empty() || making_ || files_.front().scene.frame == volume_) return std::nullopt;
-    return files_.front().scene.frame;
+    if (files_.empty() || making_ || files_.front().volume() == volume_) return std::nullopt;
+    return files_.front().volume();
   }
 
   /// Answers all that waits for this volume by an error.
@@ -144,10 +132,10 @@ class Requests {
       std::erase_if(probes_, [&](const auto& waiting) {
         const auto& [client, probing] = waiting;
         if (probing.volume != volume) return false;
-        if (!probing.forgotten) server_.send_text(client, error_text(what, Request{"probe", probing.id}));
+        if (!probing.forgotten) server_.send_text(client, error_text(what, probing.id));
         return true;
       });
-      const auto is_of_it = [volume](const File& file) { return file.scene.frame == volume; };
+      const auto is_of_it = [volume](const File& file) { return file.volume() == volume; };
       std::copy_if(files_.begin(), files_.end(), std::back_inserter(refused), is_of_it);
       std::erase_if(files_, is_of_it);
     }
@@ -203,10 +191,7 @@ class Requests {
 
  private:
   static constexpr std::ptrdiff_t most_waiting = 4;  // files of one client
-  /// For a movie's next frame, while others want to make one.
-  static constexpr std::chrono::seconds patience_with_a_movie{60};
 
-  using Clock = Movie::Clock;
   struct Probing {
     ClientId client;
     std::uint32_t id;
@@ -218,22 +203,13 @@ class Requests {
   };
   struct File {
     ClientId client;
-    Request request;
+    FileMessage asked;
     std::vector<VolumeFrame> frames;
-    SceneState scene;
-    bool exr = false;
     std::shared_ptr<Movie> movie;  ///< that it is a frame of
-    int index = 0;                 ///< in the movie
     std::int64_t frame = -1;       ///< that is being rendered
     bool forgotten = false;
-  };
-  struct MovieTurn {
-    ClientId client;
-    std::uint32_t id;
-    std::shared_ptr<Movie> movie;
-    Clock::time_point heard;  ///< when the client last asked or was answered
-    int next = 0;             ///< index that must come
-    int answered = 0;         ///< frames
+
+    int volume() const { return asked.scene.frame; }
   };
 
   std::vector<VolumeFrame> next_probe(std::int64_t frame) {
@@ -247,7 +223,7 @@ class Requests {
   }
 
   std::vector<VolumeFrame> next_file(std::int64_t frame) {
-    if (files_.empty() || making_ || files_.front().scene.frame != volume_) return {};
+    if (files_.empty() || making_ || files_.front().volume() != volume_) return {};
     making_ = std::move(files_.front());
     files_.pop_front();
     making_->frame = frame;
@@ -264,38 +240,27 @@ class Requests {
     probing_.reset();
   }
 
-  /// The mutex is held.
+  /// The mutex is held. A client that begins anew has given its other movie up.
   std::shared_ptr<Movie> movie_for(ClientId client, const FileMessage& asked) {
-    const auto& [index, plan] = *asked.movie;
-    if (!ffmpeg_)
+    if (!options_.ffmpeg)
       throw InputError("movies need ffmpeg, which was not in PATH when the server was started",
                        "take the pictures instead");
-    if (index == 0) begin_movie(client, asked);
-    if (!movie_ || movie_->client != client || movie_->id != asked.id)
+    if (asked.movie->index == 0) {
+      if (movie_ && !movie_->is_of(client) && !movie_->is_abandoned())
+        throw InputError("somebody else's movie is being made", "try again when it is done");
+      give_movie_up();
+      movie_.emplace(client, asked.id, std::make_shared<Movie>(*options_.ffmpeg, asked.movie->plan));
+    }
+    if (!movie_ || !movie_->is(client, asked.id))
       throw InputError("there is no such movie", "begin with frame 0");
-    if (movie_->next != index || movie_->movie->plan() != plan)
-      throw InputError(movie_->next == index
-                           ? std::string("all frames of a movie must have the same size, rate and count")
-                           : fmt::format("frame {} of the movie must come, not {}", movie_->next, index));
-    ++movie_->next;
-    movie_->heard = Clock::now();
-    return movie_->movie;
-  }
-
-  /// The mutex is held. A client that begins anew has given its other movie up.
-  void begin_movie(ClientId client, const FileMessage& asked) {
-    const bool abandoned =
-        movie_ && movie_->answered == movie_->next && Clock::now() - movie_->heard > patience_with_a_movie;
-    if (movie_ && movie_->client != client && !abandoned)
-      throw InputError("somebody else's movie is being made", "try again when it is done");
-    give_movie_up();
-    movie_ = MovieTurn{client, asked.id, std::make_shared<Movie>(*ffmpeg_, asked.movie->plan), Clock::now()};
+    movie_->ask(*asked.movie);
+    return movie_->movie();
   }
 
   /// The mutex is held. The folder, which may take long to remove, goes when the workers have let go of it.
   void give_movie_up() {
     if (!movie_) return;
-    std::shared_ptr<Movie> movie = std::move(movie_->movie);
+    std::shared_ptr<Movie> movie = movie_->movie();
     movie_.reset();
     movie->cancel();
     std::erase_if(files_, [&](const File& file) { return file.movie == movie; });
@@ -326,46 +291,45 @@ class Requests {
   /// The picture's file. Channels have functions of their own.
   static Bytes bytes_of(const FrameResult& result, const File& file) {
     auto settings = nlohmann::json::parse(to_json_text(result.spec));
-    if (!file.scene.channels.empty()) {
+    if (!file.asked.scene.channels.empty()) {
       settings.erase("transfer_function");
-      settings["channels"] = to_json(file.scene)["channels"];
+      settings["channels"] = to_json(file.asked.scene)["channels"];
     }
-    return image_bytes(result.image, file.exr ? ".exr" : ".png", srgb_to_linear(file.scene.background),
-                       text_of(settings));
+    return image_bytes(result.image, file.asked.exr ? ".exr" : ".png",
+                       srgb_to_linear(file.asked.scene.background), text_of(settings));
   }
 
   void make_snapshot(const FrameResult& result, const File& file) {
     const Bytes bytes = bytes_of(result, file);
     PictureHead head =
-        head_of(file, PictureKind::snapshot, file.exr ? PictureFormat::exr : PictureFormat::png);
+        head_of(file, PictureKind::snapshot, file.asked.exr ? PictureFormat::exr : PictureFormat::png);
     head.seconds = static_cast<float>(result.stats.seconds);
     server_.send_binary(file.client, std::make_shared<const std::string>(picture_message(head, text(bytes))));
   }
 
   void add_to_movie(const FrameResult& result, const File& file) {
     if (file.movie->cancelled()) return;
-    file.movie->add(file.index, bytes_of(result, file));
-    if (file.index + 1 == file.movie->plan().count) {
+    file.movie->add(file.asked.movie->index, bytes_of(result, file));
+    if (file.asked.movie->index + 1 == file.movie->plan().count) {
       post(movie_worker_, [this, file] { finish_movie(file); });
       return;
     }
     {
       const std::lock_guard lock(mutex_);
-      if (!movie_ || movie_->movie != file.movie) return;
-      ++movie_->answered;
-      movie_->heard = Clock::now();
+      if (!movie_ || movie_->movie() != file.movie) return;
+      movie_->answer();
     }
-    server_.send_text(file.client, movie_frame_text(file.request.id, file.index));
+    server_.send_text(file.client, movie_frame_text(file.asked.id, file.asked.movie->index));
   }
 
   void finish_movie(const File& file) {
     try {
-      const std::string bytes = file.movie->encode(Clock::now() + file.movie->patience());
+      const std::string bytes = file.movie->encode(Movie::Clock::now() + file.movie->patience());
       PictureHead head = head_of(file, PictureKind::movie, PictureFormat::mp4);
       for (std::uint16_t* const side : {&head.width, &head.height})
         *side = static_cast<std::uint16_t>(*side + *side % 2);
       if (file.movie->cancelled()) return;
-      cancel_movie(file.client, file.request.id);  // before the answer, after which another may be asked for
+      cancel_movie(file.client, file.asked.id);  // before the answer, after which another may be asked for
       server_.send_binary(file.client, std::make_shared<const std::string>(picture_message(head, bytes)));
     } catch (const std::exception& e) {
       fail(file, e.what());
@@ -375,27 +339,21 @@ class Requests {
   /// A movie that was given up needs no answer.
   void fail(const File& file, const std::string& what) {
     if (file.movie && file.movie->cancelled()) return;
-    if (file.movie) cancel_movie(file.client, file.request.id);
-    server_.send_text(file.client, error_text(what, file.request));
+    if (file.movie) cancel_movie(file.client, file.asked.id);
+    server_.send_text(file.client, error_text(what, file.asked.id));
   }
 
-  PictureHead head_of(const File& file, PictureKind kind, PictureFormat format) const {
+  static PictureHead head_of(const File& file, PictureKind kind, PictureFormat format) {
     return {.kind = kind,
-            .number = file.request.id,
-            .width = std::uint16_t(file.scene.shown.width),
-            .height = std::uint16_t(file.scene.shown.height),
-            .level = std::uint8_t(levels_ - 1),
-            .levels = std::uint8_t(levels_),
-            .at_rest = true,
-            .format = format,
-            .rmse = 0};
+            .number = file.asked.id,
+            .width = std::uint16_t(file.asked.scene.shown.width),
+            .height = std::uint16_t(file.asked.scene.shown.height),
+            .format = format};
   }
 
   WebServer& server_;
   const std::function<void()> wake_;
-  const Grid grid_;
-  const int levels_;
-  const std::optional<std::filesystem::path> ffmpeg_;
+  const ViewerOptions& options_;
 
   mutable std::mutex mutex_;  ///< guards what follows, up to the workers
   bool ended_ = false;

@@ -6,7 +6,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <limits>
 #include <mutex>
 #include <utility>
 
@@ -16,36 +15,26 @@
 #include "serve/audience.hpp"
 #include "serve/picture_maker.hpp"
 #include "serve/requests.hpp"
-#include "serve/scene_frames.hpp"
+#include "serve/views.hpp"
 
 namespace ringsplat::serve {
 namespace {
-
-using namespace std::chrono_literals;
-
-constexpr auto rest_begins = 150ms;
 
 class PageViewer final : public Viewer {
  public:
   explicit PageViewer(ViewerOptions options)
       : options_(std::move(options)),
-        levels_(make_levels(options_.volume.grid.dims)),
         rules_{options_.initial, options_.volume.grid, options_.volume.patient, int(options_.frames.size()),
                options_.largest_side},
         audience_({[this](ClientId client, std::string text) { server_.send_text(client, std::move(text)); },
                    [this](ClientId client, std::shared_ptr<const std::string> bytes) {
                      server_.send_binary(client, std::move(bytes));
                    }}),
-        controller_(options_.target_seconds),
+        views_(options_),
         requests_(
-            server_,
-            [this] {
-              const std::lock_guard lock(mutex_);
-              wake();
-            },
-            options_.volume.grid, options_.volume.ranges, int(levels_.size()), options_.ffmpeg),
+            server_, [this] { wake(); }, options_),
         server_(options_.server, events()),
-        maker_(int(levels_.size())) {
+        maker_(int(views_.levels().size())) {
     server_.start();
   }
 
@@ -61,11 +50,7 @@ class PageViewer final : public Viewer {
     rendering_.reset();  // of a run that failed
     return {.next_frame = {},
             .frame_done = [this](FrameResult&& result) { take(std::move(result)); },
-            .may_come =
-                [this] {
-                  const std::lock_guard lock(mutex_);
-                  return !ended_ && !next_volume_;
-                },
+            .may_come = [this] { return may_come(); },
             .unwanted = [this](const FrameSpec& spec) { return unwanted(spec); },
             .pause = [this](std::chrono::nanoseconds most) { pause(most); },
             .next_picture = [this] { return next(); }};
@@ -80,25 +65,22 @@ class PageViewer final : public Viewer {
     requests_.show(volume, ranges);
     const std::lock_guard lock(mutex_);
     next_volume_.reset();
-    shown_volume_ = volume;
-    not_yet_seen_ = true;
+    views_.loaded(volume);
     audience_.say(frame_text(volume, "shown"));
   }
 
   void not_loaded(int volume, const std::string& why) override {
     requests_.refuse_volume(volume, why);
     const std::lock_guard lock(mutex_);
-    if (newest_ && newest_->message.scene.frame == volume) newest_.reset();
-    if (current_ && current_->message.scene.frame == volume) current_.reset();
+    views_.not_loaded(volume);
     audience_.say(frame_text(volume, "failed"));
-    audience_.say(error_text(why, {}));
+    audience_.say(error_text(why));
   }
 
   void renewed(const ValueRange& range, bool changes) override {
     requests_.show(0, {range});
     const std::lock_guard lock(mutex_);
-    changes_ = changes;
-    if (current_) current_->shown.reset();
+    views_.renewed(changes);
   }
 
   void tell(const std::string& text) override {
@@ -126,47 +108,46 @@ class PageViewer final : public Viewer {
     {
       const std::lock_guard lock(mutex_);
       if (std::exchange(ended_, true)) return;
-      wake();
     }
+    wake();
     requests_.end();
     server_.end(end_text(message));
   }
 
  private:
-  using Clock = std::chrono::steady_clock;
+  using Clock = Views::Clock;
   using Frames = std::vector<VolumeFrame>;
-  struct View {
-    ViewMessage message;
-    std::uint64_t scene = 0;   ///< the same for views that show the same in the same size
-    Clock::time_point came;    ///< its own
-    std::optional<int> shown;  ///< finest level
-  };
   struct Rendering {
     std::int64_t frame = 0;
-    View view;
-    int level = 0;
-    bool at_rest = false, refines = false;
+    Views::Wish wish;
   };
 
   ServerEvents events() {
-    return {
-        .opened = [this](ClientId client) { opened(client); },
-        .received = [this](ClientId client, std::string&& text) { received(client, text); },
-        .refused =
-            [this](ClientId client) { server_.send_text(client, error_text("messages must be texts", {})); },
-        .closed = [this](ClientId client) { closed(client); },
-        .signalled = [this](int number) { end(ended_by_signal_text(number)); }};
+    return {.opened =
+                [this](ClientId client) {
+                  opened(client);
+                  wake();
+                },
+            .received = [this](ClientId client, std::string&& text) { received(client, text); },
+            .refused =
+                [this](ClientId client) { server_.send_text(client, error_text("messages must be texts")); },
+            .closed =
+                [this](ClientId client) {
+                  closed(client);
+                  wake();
+                },
+            .signalled = [this](int number) { end(ended_by_signal_text(number)); }};
   }
 
   void opened(ClientId client) {
     const std::lock_guard lock(mutex_);
     audience_.add(client);
-    server_.send_text(client, hello_text(options_, levels_, audience_.drives(client), audience_.size()));
+    server_.send_text(client,
+                      hello_text(options_, views_.levels(), audience_.drives(client), audience_.size()));
     for (const std::string& warning : warnings_) server_.send_text(client, warning);
     if (!told_.empty()) server_.send_text(client, told_);
     audience_.say_who_drives();
     if (!audience_.drives(client)) audience_.catch_up(client);
-    wake();
   }
 
   void received(ClientId client, const std::string& text) {
@@ -174,30 +155,25 @@ class PageViewer final : public Viewer {
       std::visit([&](auto&& message) { handle(client, std::move(message)); },
                  parse_client_message(text, rules_));
     } catch (const std::exception& e) {
-      const std::optional<Request> request = request_of(text);
-      if (request && request->type == "movie_frame") requests_.cancel_movie(client, request->id);
-      server_.send_text(client, error_text(e.what(), request));
+      const auto id = id_of(text);
+      if (id) requests_.cancel_movie(client, *id);
+      server_.send_text(client, error_text(e.what(), id));
     }
-    const std::lock_guard lock(mutex_);
     wake();
   }
 
   void closed(ClientId client) {
+    requests_.forget(client);
     const std::lock_guard lock(mutex_);
     audience_.remove(client);
-    requests_.forget(client);
     audience_.say_who_drives();
-    wake();
   }
 
   void handle(ClientId client, ViewMessage&& view) {
-    for (const Level& level : levels_)
+    for (const Level& level : views_.levels())
       check_frame(frames_of(view.scene, level, options_).front().spec, options_.volume.grid);
     const std::lock_guard lock(mutex_);
-    if (!audience_.drives(client)) return;
-    if (!last_put_ || *last_put_ != view.scene) ++scenes_;
-    last_put_ = view.scene;
-    newest_ = View{std::move(view), scenes_, Clock::now(), {}};
+    if (audience_.drives(client)) views_.put(std::move(view));
   }
 
   void handle(ClientId client, const AckMessage& ack) {
@@ -216,9 +192,10 @@ class PageViewer final : public Viewer {
     const std::lock_guard lock(mutex_);
     if (asked.scene)
       return requests_.add(client, asked, best_frames(*asked.scene).front(), asked.scene->frame);
-    if (!last_put_ || asked.x >= last_put_->shown.width || asked.y >= last_put_->shown.height)
+    const auto& last = views_.last();
+    if (!last || asked.x >= last->shown.width || asked.y >= last->shown.height)
       throw InputError("there is no such pixel in the last view");
-    requests_.add(client, asked, best_frames(*last_put_).front(), last_put_->frame);
+    requests_.add(client, asked, best_frames(*last).front(), last->frame);
   }
 
   void handle(ClientId client, const MapMessage& map) { server_.send_text(client, map_text(map)); }
@@ -252,51 +229,21 @@ class PageViewer final : public Viewer {
   }
 
   Frames next_picture() {
-    if (audience_.size() == 0) return {};
-    if (rendering_ || pictures_encoding_ + audience_.unacknowledged() >= Audience::most_unacknowledged)
+    if (audience_.size() == 0 || rendering_ ||
+        pictures_encoding_ + audience_.unacknowledged() >= Audience::most_unacknowledged)
       return {};
-    take_newest();
-    if (!current_) return {};
-    View& view = *current_;
-    const bool rests = !changes_ && (!view.message.moving || Clock::now() - view.came >= rest_begins);
-    std::optional<int> level;
-    if (rests)
-      level = controller_.level_at_rest(view.shown);
-    else if (!view.shown)
-      level = controller_.level();
-    if (!level) {
-      if (rests) show_again();
-      return {};
+    const auto wish = views_.next();
+    if (!wish) return {};
+    if (!wish->level) {
+      if (wish->rests) show_again(wish->view);
+    } else if (wish->view.message.scene.frame != views_.volume()) {
+      ask_for(wish->view.message.scene.frame);
+    } else {
+      views_.begun();
+      rendering_ = {next_frame_, *wish};
+      return views_.frames(*wish->level);
     }
-    if (view.message.scene.frame != shown_volume_) {
-      ask_for(view.message.scene.frame);
-      return {};
-    }
-    not_yet_seen_ = false;
-    rendering_ = {next_frame_, view, *level, rests, view.shown.has_value()};
-    return frames_of(view.message.scene, levels_[std::size_t(*level)], options_);
-  }
-
-  /// While a series is gone through quickly only the newest view's volume is loaded, but one picture is drawn
-  /// of each that was.
-  void take_newest() {
-    if (!newest_) return;
-    const bool loaded_for_current =
-        not_yet_seen_ && current_ && !current_->shown && current_->message.scene.frame == shown_volume_;
-    if (loaded_for_current && newest_->message.scene.frame != shown_volume_) return;
-    View view = *std::exchange(newest_, std::nullopt);
-    if (current_ && current_->scene == view.scene) view.shown = current_->shown;
-    current_ = std::move(view);
-    std::vector<double> costs;
-    for (const Level& level : levels_) {
-      const Frames frames = frames_of(current_->message.scene, level, options_);
-      // To reduce a volume for a single picture takes longer than to draw it.
-      const double one = changes_ && level.undersample > 1
-                             ? std::numeric_limits<double>::infinity()
-                             : rough_seconds(frames.front().spec, options_.volume.grid.dims);
-      costs.push_back(double(frames.size()) * one);
-    }
-    controller_.expect(std::move(costs));
+    return {};
   }
 
   /// The mutex is held.
@@ -306,14 +253,14 @@ class PageViewer final : public Viewer {
   }
 
   /// For a view that shows what the last picture shows: the page waits for one with the view's number.
-  void show_again() {
-    if (pictures_encoding_ > 0 || !audience_.last() || audience_.last()->scene != current_->scene ||
-        shown_view_ == current_->came)
+  void show_again(const Views::View& view) {
+    if (pictures_encoding_ > 0 || !audience_.last() || audience_.last()->scene != view.scene ||
+        shown_view_ == view.came)
       return;
     SentPicture again = *audience_.last();
-    again.head.seq = current_->message.seq;
-    again.head.time = current_->message.time;
-    shown_view_ = current_->came;
+    again.head.seq = view.message.seq;
+    again.head.time = view.message.time;
+    shown_view_ = view.came;
     audience_.show(std::move(again));
   }
 
@@ -325,35 +272,31 @@ class PageViewer final : public Viewer {
     const std::lock_guard lock(mutex_);
     // unwanted() may have dropped it when it was already complete.
     if (!rendering_ || rendering_->frame != result.spec.frame) return;
-    const Rendering rendering = *std::exchange(rendering_, std::nullopt);
+    const Views::Wish wish = std::exchange(rendering_, std::nullopt)->wish;
     ++pictures_encoding_;
-    const ViewMessage& view = rendering.view.message;
-    const int levels = int(levels_.size());
-    // What is drawn at best while the view moves is sent with less quality, and once more when it rests.
-    const bool at_rest = rendering.at_rest && rendering.level + 1 == levels;
-    if (current_ && current_->scene == rendering.view.scene)
-      current_->shown = at_rest ? rendering.level : std::min(rendering.level, levels - 2);
+    const ViewMessage& view = wish.view.message;
     auto picture = std::make_shared<RenderedPicture>();
     picture->image = std::move(result.image);
     picture->background = srgb_to_linear(view.scene.background);
-    picture->moving = !rendering.at_rest;
-    picture->scene = rendering.view.scene;
+    picture->moving = !wish.rests;
+    picture->scene = wish.view.scene;
     picture->head = {.seq = view.seq,
-                     .level = std::uint8_t(rendering.level),
-                     .levels = std::uint8_t(levels),
-                     .at_rest = at_rest,
+                     .level = std::uint8_t(*wish.level),
+                     .levels = std::uint8_t(views_.levels().size()),
+                     .at_rest = views_.drawn(wish),
                      .seconds = static_cast<float>(result.stats.seconds),
                      .time = view.time};
     post(picture_worker_,
-         [this, picture, rendering, drawn = Clock::now()] { send_picture(*picture, rendering, drawn); });
+         [this, picture, view = wish.view, drawn = Clock::now()] { send_picture(*picture, view, drawn); });
   }
 
   bool unwanted(const FrameSpec& spec) {
     if (requests_.unwanted(spec.frame)) return true;
     const std::lock_guard lock(mutex_);
     if (!rendering_ || rendering_->frame != spec.frame) return false;
-    const bool newer = newest_ && newest_->scene != rendering_->view.scene;
-    if (!ended_ && audience_.size() > 0 && !(rendering_->refines && newer)) return false;
+    // A view's first picture is wanted, whatever came after it.
+    const Views::View& view = rendering_->wish.view;
+    if (!ended_ && audience_.size() > 0 && !(view.shown && views_.has_newer(view))) return false;
     rendering_.reset();
     return true;
   }
@@ -366,12 +309,12 @@ class PageViewer final : public Viewer {
 
   /// Of a file that a page asks for. An error in a frame that is announced would end the job.
   Frames best_frames(const SceneState& scene) const {
-    Frames best = frames_of(scene, levels_.back(), options_);
+    Frames best = frames_of(scene, views_.levels().back(), options_);
     check_frame(best.front().spec, options_.volume.grid);
     return best;
   }
 
-  void send_picture(RenderedPicture& picture, const Rendering& rendering, Clock::time_point drawn) {
+  void send_picture(RenderedPicture& picture, const Views::View& view, Clock::time_point drawn) {
     std::string message;
     try {
       message = maker_.make(picture);
@@ -381,27 +324,30 @@ class PageViewer final : public Viewer {
     {
       const std::lock_guard lock(mutex_);
       --pictures_encoding_;
-      const View& view = rendering.view;
       if (!message.empty()) {
         shown_view_ = view.came;
         audience_.show({std::make_shared<const std::string>(std::move(message)), picture.head,
                         view.message.scene, view.scene});
       }
       const std::chrono::duration<double> to_send = Clock::now() - drawn;
-      controller_.took(rendering.level, double(picture.head.seconds) + to_send.count());
-      wake();
+      views_.took(picture.head.level, double(picture.head.seconds) + to_send.count());
     }
+    wake();
     maker_.learn(picture);
   }
 
-  /// The mutex is held.
+  bool may_come() {
+    const std::lock_guard lock(mutex_);
+    return !ended_ && !next_volume_;
+  }
+
   void wake() {
+    const std::lock_guard lock(mutex_);
     woken_ = true;
     changed_.notify_all();
   }
 
   const ViewerOptions options_;
-  const std::vector<Level> levels_;
   const MessageRules rules_;
 
   std::mutex mutex_;  ///< guards what follows, up to the requests
@@ -409,16 +355,9 @@ class PageViewer final : public Viewer {
   bool woken_ = false, ended_ = false;
   Audience audience_;
   std::vector<std::string> warnings_;
-  std::string told_;            ///< last
-  std::optional<View> newest_;  ///< not yet taken
-  std::uint64_t scenes_ = 0;
-  std::optional<View> current_;
-  int shown_volume_ = 0;
+  std::string told_;  ///< last
+  Views views_;
   std::optional<int> next_volume_;  ///< that the run ends for
-  bool changes_ = false;            ///< the volume does, all the time
-  bool not_yet_seen_ = false;       ///< no frame was drawn of the volume since it was loaded
-  std::optional<SceneState> last_put_;
-  LevelController controller_;
   std::optional<Rendering> rendering_;
   std::int64_t next_frame_ = 0;
   int pictures_encoding_ = 0;

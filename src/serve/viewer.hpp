@@ -144,8 +144,8 @@ std::string map_text(const MapMessage& map);
 std::string probe_text(std::uint32_t id, const Probed& probed);
 /// A movie's frame is there; another may come.
 std::string movie_frame_text(std::uint32_t id, int index);
-/// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO". `request`: that it answers.
-std::string error_text(std::string_view what, const std::optional<Request>& request);
+/// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO". `id`: of the message that it answers.
+std::string error_text(std::string_view what, std::optional<std::uint32_t> id = std::nullopt);
 /// `what`: as of an error.
 std::string warning_text(std::string_view what);
 std::string end_text(const std::string& message);

@@ -169,10 +169,9 @@ std::string movie_frame_text(std::uint32_t id, int index) {
   return text_of({{"type", "movie_frame"}, {"id", id}, {"index", index}});
 }
 
-std::string error_text(std::string_view what, const std::optional<Request>& request) {
+std::string error_text(std::string_view what, std::optional<std::uint32_t> id) {
   json error = said("error", what);
-  if (request) error["id"] = request->id;
-  if (request && !request->type.empty()) error["request"] = request->type;
+  if (id) error["id"] = *id;
   return text_of(error);
 }
 

@@ -63,7 +63,7 @@ def channels(options, server):
     probes(client, looks)
     for wrong in ([], looks[:2], [{**look, "window": [3, 2]} for look in looks], [{**look, "colour": [0, 0, 2]} for look in looks]):
         client.send({"type": "snapshot", "id": 9, "width": 16, "height": 16, "format": "png", "state": {"channels": wrong}})
-        told(client, "snapshot", 9)
+        told(client, 9)
     client.close()
     is_alive(server)
 

@@ -36,7 +36,7 @@ def movies(options, server):
             expect(len(movie_folders(options)) == 1, "no folder")
             expect(os.stat(movie_folders(options)[0]).st_mode & 0o777 == 0o700, "others may look into the folder")
             movie_frame(second, 6, 0)
-            told(second, "movie_frame", 6)
+            told(second, 6)
     movie = first.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 2, timeout=60)
     expect((movie.number, movie.format, movie.width, movie.height) == (5, 3, 132, 98), "another head")
     until_gone("the folder", lambda: movie_folders(options))
@@ -56,12 +56,12 @@ def movies(options, server):
         movie_frame(first, number, 0)
         movie_frame_done(first, number, 0)
         movie_frame(first, number, **wrong)
-        is_given_up(number, lambda: told(first, "movie_frame", number))
+        is_given_up(number, lambda: told(first, number))
         movie_frame(first, number, 1)
-        told(first, "movie_frame", number)  # there is no such movie any more
+        told(first, number)  # there is no such movie any more
     for count in (0, 10001, "3"):
         movie_frame(first, 30, 0, count=count)
-        told(first, "movie_frame", 30)
+        told(first, 30)
     movie_frame(first, 31, 0)
     movie_frame_done(first, 31, 0)
     movie_frame(first, 32, 0)  # instead of the other
@@ -120,11 +120,11 @@ def movie_failures(options, server):
     client = server.client()
     expect(client.hello["ffmpeg"], "ffmpeg is not found")
     movie_frame(client, 1, 0, count=1)
-    expect("ffmpeg" in told(client, "movie_frame", 1), "who failed?")
+    expect("ffmpeg" in told(client, 1), "who failed?")
     until_gone("the folder", lambda: movie_folders(options))
     fake_ffmpeg(options, "exit 0\n")  # but makes nothing
     movie_frame(client, 2, 0, count=1)
-    told(client, "movie_frame", 2)
+    told(client, 2)
     fake_ffmpeg(options, f"/bin/sleep 1000 &\necho $! > {options.scratch}/child\necho $$ > {options.scratch}/parent\nwait\n")
 
     def hangs(who, number):
@@ -157,7 +157,7 @@ def no_ffmpeg(options, server):
     client = server.client()
     expect(client.hello["ffmpeg"] is False, "ffmpeg cannot be there")
     movie_frame(client, 9, 0)
-    expect("ffmpeg" in told(client, "movie_frame", 9), "no reason")
+    expect("ffmpeg" in told(client, 9), "no reason")
     expect(movie_folders(options) == [], "there is a folder")
     client.close()
     is_alive(server)

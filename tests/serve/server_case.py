@@ -46,8 +46,8 @@ def is_alive(server):
     client.close()
 
 
-def told(client, request, number):
-    """The error that answers a request."""
+def told(client, number):
+    """The error that answers the message of that number."""
     error = client.receive_until(lambda m: isinstance(m, dict) and m["type"] == "error")
-    expect((error.get("id"), error.get("request")) == (number, request), error)
+    expect(error.get("id") == number, error)
     return error["message"]

@@ -34,7 +34,7 @@ def slices(options, server):
         subprocess.run([options.program, "compare", *files, "--fail-above", "0"], check=True, stdout=subprocess.DEVNULL)
     for number, wrong in enumerate(([3, 0], [0, 128], [0, -1], [0], "x", 7)):
         client.send({"type": "snapshot", "id": 100 + number, "width": 8, "height": 8, "format": "png", "slice": wrong})
-        expect("slice" in told(client, "snapshot", 100 + number), "the error names no slice")
+        expect("slice" in told(client, 100 + number), "the error names no slice")
     for at in ((50, 77, 62), (64, 30, 90), (81, 99, 40), (0, 0, 0), (127, 127, 123)):
         client.send({"type": "probe", "id": 20, "voxel": at, "state": {"transfer_function": grey}})
         value, found = data[(at[2] * dims[1] + at[1]) * dims[0] + at[0]], client.text("probe")

@@ -1,0 +1,131 @@
+#pragma once
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "serve/scene_frames.hpp"
+
+namespace ringsplat::serve {
+
+/// The driver's views: which is drawn next, and how finely. Not for several threads at once.
+class Views {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  struct View {
+    ViewMessage message;
+    std::uint64_t scene = 0;   ///< the same for views that show the same in the same size
+    Clock::time_point came;    ///< its own
+    std::optional<int> shown;  ///< finest level
+  };
+  /// A view that can be drawn.
+  struct Wish {
+    View view;
+    bool rests = false;
+    std::optional<int> level;  ///< none: it has been shown as well as can be for now
+  };
+
+  /// `options` must outlive this.
+  explicit Views(const ViewerOptions& options)
+      : options_(options),
+        levels_(make_levels(options.volume.grid.dims)),
+        controller_(options.target_seconds) {}
+
+  const std::vector<Level>& levels() const { return levels_; }
+  /// The volume that is shown.
+  int volume() const { return volume_; }
+  /// The scene of the view that came last.
+  const std::optional<SceneState>& last() const { return last_; }
+  /// Of the view that is drawn now.
+  std::vector<VolumeFrame> frames(int level) const {
+    return frames_of(current_->message.scene, levels_[std::size_t(level)], options_);
+  }
+
+  /// The newest view takes the place of one that has not been begun.
+  void put(ViewMessage&& message) {
+    if (last_ != message.scene) ++scenes_;
+    last_ = message.scene;
+    newest_ = View{std::move(message), scenes_, Clock::now(), {}};
+  }
+  void loaded(int volume) {
+    volume_ = volume;
+    not_yet_seen_ = true;
+  }
+  void not_loaded(int volume) {
+    for (std::optional<View>* const view : {&newest_, &current_})
+      if (*view && (*view)->message.scene.frame == volume) view->reset();
+  }
+  /// What was drawn is out of date. `changes`: it will soon be so again.
+  void renewed(bool changes) {
+    changes_ = changes;
+    if (current_) current_->shown.reset();
+  }
+
+  std::optional<Wish> next() {
+    take_newest();
+    if (!current_) return std::nullopt;
+    Wish wish{*current_,
+              !changes_ && (!current_->message.moving || Clock::now() - current_->came >= rest_begins),
+              std::nullopt};
+    if (wish.rests)
+      wish.level = controller_.level_at_rest(current_->shown);
+    else if (!current_->shown)
+      wish.level = controller_.level();
+    return wish;
+  }
+  void begun() { not_yet_seen_ = false; }
+  /// True when a view that looks otherwise than this one waits.
+  bool has_newer(const View& view) const { return newest_ && newest_->scene != view.scene; }
+  /// True when nothing finer will come of it. What is drawn at best while the view moves is sent with less
+  /// quality, and once more when it rests.
+  bool drawn(const Wish& wish) {
+    const int best = int(levels_.size()) - 1;
+    const bool done = wish.rests && wish.level == best;
+    if (current_ && current_->scene == wish.view.scene)
+      current_->shown = done ? best : std::min(*wish.level, best - 1);
+    return done;
+  }
+  void took(int level, double seconds) { controller_.took(level, seconds); }
+
+ private:
+  static constexpr std::chrono::milliseconds rest_begins{150};
+
+  /// While a series is gone through quickly only the newest view's volume is loaded, but one picture is drawn
+  /// of each that was.
+  void take_newest() {
+    if (!newest_) return;
+    const bool loaded_for_current =
+        not_yet_seen_ && current_ && !current_->shown && current_->message.scene.frame == volume_;
+    if (loaded_for_current && newest_->message.scene.frame != volume_) return;
+    View view = *std::exchange(newest_, std::nullopt);
+    if (current_ && current_->scene == view.scene) view.shown = current_->shown;
+    current_ = std::move(view);
+    std::vector<double> costs;
+    for (std::size_t k = 0; k < levels_.size(); ++k) {
+      const auto parts = frames(int(k));
+      // To reduce a volume for a single picture takes longer than to draw it.
+      const double one = changes_ && levels_[k].undersample > 1
+                             ? std::numeric_limits<double>::infinity()
+                             : rough_seconds(parts.front().spec, options_.volume.grid.dims);
+      costs.push_back(double(parts.size()) * one);
+    }
+    controller_.expect(std::move(costs));
+  }
+
+  const ViewerOptions& options_;
+  const std::vector<Level> levels_;
+  LevelController controller_;
+  std::optional<View> newest_;  ///< not yet taken
+  std::optional<View> current_;
+  std::optional<SceneState> last_;
+  std::uint64_t scenes_ = 0;
+  int volume_ = 0;
+  bool changes_ = false;       ///< the volume does, all the time
+  bool not_yet_seen_ = false;  ///< no frame was drawn of the volume since it was loaded
+};
+
+}  // namespace ringsplat::serve
