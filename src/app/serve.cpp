@@ -108,7 +108,6 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
                                     const Scene& scene, MadeFunction made, const Launch& launch) {
   const RenderOptions& o = job.options;
   serve::ViewerOptions v;
-  v.version = RINGSPLAT_VERSION;
   v.layout =
       fmt::format("{}, {}", describe(job.layout), job.layout.topology == Topology::ring ? "ring" : "mesh");
   v.ranks = launch.ranks();

@@ -68,7 +68,6 @@ struct Live::State {
   void start(const LiveOptions& options, const ValueStatistics& values) {
     const Grid& grid = SessionParts::grid(session);
     serve::ViewerOptions v;
-    v.version = RINGSPLAT_VERSION;
     v.layout = "the simulation's ranks";
     v.ranks = session.ranks();
     v.volume = {options.name, grid, false, options.unit, false, {values.range}, values.histogram};

@@ -52,8 +52,7 @@ struct ShownChannel {
 int largest_side();
 
 struct ViewerOptions {
-  std::string version;  ///< of the program
-  std::string layout;   ///< "4 GPs + 2 Renderers, ring"
+  std::string layout;  ///< "4 GPs + 2 Renderers, ring"
   int ranks = 1;
   ShownVolume volume;                   ///< the first of the series
   std::vector<std::string> frames{""};  ///< names of the series' volumes; one without a series

@@ -66,12 +66,8 @@ json volume_json(const ShownVolume& volume) {
 /// Those for Hounsfield units show nothing of other values.
 json presets(const ShownVolume& volume) {
   json all = json::array();
-  for (const PresetName& preset_name : preset_names()) {
-    if (preset_name.name.starts_with("ct-") && !volume.hounsfield) continue;
-    all.push_back({{"name", preset_name.name},
-                   {"description", preset_name.description},
-                   {"transfer_function", to_json(preset(preset_name.name, volume.histogram))}});
-  }
+  for (const auto& [name, description] : preset_names())
+    if (volume.hounsfield || !name.starts_with("ct-")) all.push_back(to_json(preset(name, volume.histogram)));
   return all;
 }
 
@@ -108,9 +104,8 @@ json said(const char* type, std::string_view what) {
 
 std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels, bool drives, int viewers) {
   json names = json::array();
-  for (const Level& level : levels) names.push_back({{"name", level.name}});
+  for (const Level& level : levels) names.push_back(level.name);
   return text_of({{"type", "hello"},
-                  {"version", o.version},
                   {"volume", volume_json(o.volume)},
                   {"frames", o.frames},
                   {"channels", channels_json(o)},
@@ -120,9 +115,8 @@ std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels,
                   {"levels", names},
                   {"ranks", o.ranks},
                   {"layout", o.layout},
-                  {"target_ms", 1e3 * o.target_seconds},
                   {"ffmpeg", o.ffmpeg.has_value()},
-                  {"largest", {o.largest_side, o.largest_side}},
+                  {"largest", o.largest_side},
                   {"driver", drives},
                   {"viewers", viewers}});
 }

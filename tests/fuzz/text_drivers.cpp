@@ -175,7 +175,7 @@ void use(const serve::SceneState& scene) {
 }
 
 void run_client_message(std::span<const std::byte> input) {
-  static_cast<void>(serve::request_of(text_of(input)));
+  static_cast<void>(serve::id_of(text_of(input)));
   const auto message = serve::parse_client_message(text_of(input), message_rules());
   if (const auto* view = std::get_if<serve::ViewMessage>(&message)) use(view->scene);
   if (const auto* file = std::get_if<serve::FileMessage>(&message)) use(file->scene);

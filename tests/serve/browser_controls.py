@@ -71,19 +71,19 @@ class Controls(WithPage):
 
     def test_presets_maps_undo_and_redo(self):
         first = self.tf()
-        self.page.fill("presets", "grey")
-        grey = self.tf()
-        self.assertEqual(grey["name"], "grey")
+        self.page.fill("presets", "mr-soft")
+        soft = self.tf()
+        self.assertEqual(soft["name"], "mr-soft")
         self.page.fill("maps", "viridis")
         self.page.settle()
         self.assertEqual(len(self.tf()["colours"]), 10)
         self.page.click("undo")
-        self.assertEqual(self.tf(), grey)
+        self.assertEqual(self.tf(), soft)
         self.page.focus_picture()
         ActionChains(self.page.driver).key_down(Keys.CONTROL).send_keys("z").key_up(Keys.CONTROL).perform()
         self.assertEqual(self.tf(), first)
         self.page.click("redo")
-        self.assertEqual(self.tf(), grey)
+        self.assertEqual(self.tf(), soft)
 
     def test_the_selected_points_fields_edit_it(self):
         self.page.js("document.getElementById('curve').focus()")

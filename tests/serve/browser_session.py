@@ -273,6 +273,7 @@ class LostConnection(WithPage):
 
     def test_a_lost_connection_comes_back_and_resumes_the_scene(self):
         self.page.fill("azimuth", 50)
+        self.page.js("app.slices.goTo([5, 60, 7])")
         self.page.settle()
         self.wire.cut()
         self.page.wait("ringsplat.connection === 'lost'")
@@ -280,6 +281,7 @@ class LostConnection(WithPage):
         self.wire.mend()
         self.page.settle(30)
         self.assertEqual((self.camera()["azimuth"], self.camera()["elevation"]), (50, 20))
+        self.assertEqual(self.page.facts("slices.at"), [5, 47, 7])
 
 
 class TheEnd(WithPage):

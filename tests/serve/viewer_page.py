@@ -67,6 +67,48 @@ class Wire:
         self.listener.close()
 
 
+# What the page shows, as `ringsplat`, from its `app`. Letters: where the cube's sides look to, right, up and to the viewer.
+FACTS = """
+const shown = [];
+const letters = () => {
+  const turned = document.querySelector('#cube div'), matrix = (part) => new DOMMatrix(getComputedStyle(part).transform);
+  return Object.fromEntries([...turned.children].map((side) => {
+    const { m31, m32, m33 } = matrix(turned).multiply(matrix(side));
+    return [side.textContent, [m31, -m32, m33]];
+  }));
+};
+let started;
+Object.defineProperty(window, 'app', { get: () => started, set(app) {
+  started = app;
+  const { pictureShown } = app;
+  app.pictureShown = (picture, latency) => {
+    shown.push({ ...picture, blob: undefined });
+    pictureShown.call(app, picture, latency);
+  };
+  window.ringsplat = {
+    shown,
+    get state() { return app.scene.state; },
+    get hello() { return app.hello; },
+    get connection() { return app.connection.status; },
+    get driving() { return app.driving; },
+    get seq() { return app.sender.seq; },
+    get settled() {  // the present view's final picture is on the canvas
+      const { connection, sender, stage, driving } = app, last = shown.at(-1);
+      return connection.status === 'open' && !sender.moving && !sender.request.waits && !stage.draw.waits &&
+             last !== undefined && last.atRest && (!driving || last.seq === sender.seq);
+    },
+    get letters() { return letters(); },
+    get scale() { return app.scale; },
+    get probe() { return app.probing.result; },
+    get slices() { return { at: app.slices.at, words: app.slices.words,
+                            drawn: app.slices.panes.every(({ bitmap, asks }) => bitmap && !asks) }; },
+    get frame() { return app.series.seen; },
+    get playing() { return app.series.playing; },
+    get keyFrames() { return app.film.frames.length; },
+  };
+} });
+"""
+
 MEASURE = """
 const canvas = document.getElementById('picture'), {width, height} = canvas;
 const data = canvas.getContext('2d').getImageData(0, 0, width, height).data;
@@ -97,6 +139,7 @@ class Page:
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
         self.driver = webdriver.Chrome(service=Service(shutil.which("chromedriver")), options=options)
         self.driver.set_script_timeout(60 * PATIENCE)
+        self.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", {"source": FACTS})
 
     def quit(self):
         self.driver.quit()

@@ -35,16 +35,12 @@ export class App {
     this.history = new History();
     this.hello = null;
     this.driving = true;
-    this.lastFov = 40;
     this.latency = NaN;
     this.latencyOf = -1;
     this.losses = 0;
     this.changed = new Set();  // members of the scene, since the last redraw
     this.refresh = onceAFrame(() => this.refreshNow());
-    const neutral = { camera: { azimuth: 0, elevation: 0, roll: 0, zoom: 1, pan: [0, 0], fov: 0 },
-                      background: [0.07, 0.07, 0.08] };
-    this.stage = new Stage(() => ({ ...(this.scene.state ?? neutral), driving: this.driving }),
-                           () => this.resized(), (picture) => this.pictureShown(picture));
+    this.stage = new Stage(this);
     this.sender = new Sender((view) => this.sendView(view));
     this.connection = new Connection(() => this.token, {
       message: (message) => this.take(message), binary: (head) => this.takeBinary(head),
@@ -82,7 +78,6 @@ export class App {
   readAddress() {
     const { token, state } = readFragment(location.hash), key = 'ringsplat.token ' + location.pathname;
     if (token) sessionStorage.setItem(key, token);
-    this.visited = token === null;  // and loaded anew
     this.token = token ?? sessionStorage.getItem(key) ?? '';
     if (state === undefined) showError('The address holds a scene that cannot be read.');
     if (state) {
@@ -92,7 +87,7 @@ export class App {
       else this.brought = checked.state;
     }
     const rest = state ? location.hash.replace(/^#[^&]*&?/, '#') : '';
-    if (token) history.replaceState(null, '', location.pathname + location.search + rest);
+    if (token) history.replaceState(history.state, '', location.pathname + location.search + rest);
     return token !== null;
   }
 
@@ -121,12 +116,13 @@ export class App {
     this.stage.forget();
     this.stage.setLargest(hello.largest);
     this.viewPanel.begin(volume.patient);
+    this.cube.begin(volume.patient);
     const kept = resumes ? this.scene.state : hello.driver ? this.brought : {};
     this.brought = undefined;
     this.fill();
     this.scene.begin(hello.state, this.fitting(kept));
     if (!resumes) this.history.clear(this.scene.state);
-    this.series.begin(hello.frames);
+    this.series.begin();
     this.runs.begin();
     this.transfer.begin(hello);
     this.labels.begin(volume.labels);
@@ -135,7 +131,7 @@ export class App {
     if (!resumes) this.film.restore();
     this.snapshots.begin(hello.largest);
     this.setDriver(hello.driver, hello.viewers);
-    this.slices.begin();
+    this.slices.begin(resumes);
     this.refreshPanels();
   }
 
@@ -163,8 +159,9 @@ export class App {
     this.connection.send({ type: 'ack', picture: head.number });
   }
 
-  pictureShown(picture) {
-    if (picture.seq !== this.latencyOf && this.driving) [this.latency, this.latencyOf] = [picture.latency, picture.seq];
+  /** `latency`: milliseconds since its view was sent. */
+  pictureShown(picture, latency) {
+    if (picture.seq !== this.latencyOf && this.driving) [this.latency, this.latencyOf] = [latency, picture.seq];
     if (!this.driving || this.stage.sent.get(picture.seq)?.frame === this.series.frame) this.series.pictureShown();
     showFacts(picture, this.driving ? this.latency : NaN, this.hello);
     this.awaitPicture(false);
@@ -245,9 +242,13 @@ export class App {
     byId('redo').disabled = this.history.future.length === 0;
   }
 
-  valueSpan() {
+  valueRange() {
     const { low, high } = this.volume.histogram;
-    return high > low ? high - low : 1;
+    return high > low ? [low, high] : [low, low + 1];
+  }
+  valueSpan() {
+    const [low, high] = this.valueRange();
+    return high - low;
   }
 
   resetCamera() {
@@ -259,7 +260,7 @@ export class App {
     this.scene.change({ camera: { azimuth, elevation, roll: 0 } });
   }
   setProjection(perspective) {
-    this.scene.change({ camera: { fov: perspective ? this.lastFov : 0, distance: 0 } });
+    this.scene.change({ camera: { fov: perspective ? byId('fov').valueAsNumber : 0, distance: 0 } });
   }
   toggleShading() {
     this.scene.change({ shading: this.scene.state.shading === 'phong' ? 'none' : 'phong' });
@@ -349,7 +350,7 @@ export class App {
     this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross, places,
                                 slices: this.slices.boxes() });
     byId('cube').hidden = !settings.cube;
-    if (settings.cube) this.cube.draw(this.scene.state.camera, this.volume.patient);
+    if (settings.cube) this.cube.draw(state.camera);
     this.clipPanel.place();
   }
 
@@ -362,7 +363,7 @@ export class App {
   writeFragment() {
     if (!this.scene.state) return;
     const fragment = this.scene.fragment();
-    history.replaceState(null, '', location.pathname + location.search + (fragment ? '#' + fragment : ''));
+    history.replaceState(history.state, '', location.pathname + location.search + (fragment ? '#' + fragment : ''));
   }
 
   /** Has `use` take what is in a JSON file; says so, with a hint, when that fails. */

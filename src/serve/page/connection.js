@@ -2,18 +2,18 @@
 
 const headBytes = 48;
 export const kinds = { picture: 0, snapshot: 1, movie: 2 };
-const formats = [['jpeg', 'image/jpeg'], ['png', 'image/png'], ['exr', 'image/x-exr'], ['mp4', 'video/mp4']];
+const types = ['image/jpeg', 'image/png', 'image/x-exr', 'video/mp4'];  // of files, by format
 const firstWait = 250, longestWait = 8000;  // milliseconds before the next attempt
 
 /** The head of a binary message and the file that follows it. */
 function readBinary(buffer) {
-  const view = new DataView(buffer), [format, type] = formats[view.getUint8(23)];
+  const view = new DataView(buffer), type = types[view.getUint8(23)];
   return {
     kind: view.getUint32(4, true), number: view.getUint32(8, true), seq: view.getUint32(12, true),
     width: view.getUint16(16, true), height: view.getUint16(18, true), level: view.getUint8(20),
-    levels: view.getUint8(21), atRest: view.getUint8(22) === 1, format, seconds: view.getFloat32(24, true),
+    levels: view.getUint8(21), atRest: view.getUint8(22) === 1, seconds: view.getFloat32(24, true),
     rate: view.getFloat32(28, true), time: view.getFloat64(32, true), error: view.getFloat32(40, true),
-    bytes: buffer.byteLength, blob: new Blob([new Uint8Array(buffer, headBytes)], { type }),
+    blob: new Blob([new Uint8Array(buffer, headBytes)], { type }),
   };
 }
 

@@ -1,69 +1,29 @@
-// The orientation cube: drawn from the camera; a click on a side looks at it.
+// The orientation cube, which turns as the volume does; a click on a side looks at it.
 
-import { basisOf, dot, sixViews } from './camera.js';
-import { byId, clamp, fitCanvas, themeColour } from './dom.js';
+import { basisOf, sixViews } from './camera.js';
+import { byId, element } from './dom.js';
 
-/** A side's outward normal is the direction to the viewer in its own view. */
-const sides = sixViews.map((view) => {
-  const { right, up, viewer } = basisOf({ ...view, roll: 0 });
-  const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([x, y]) =>
-    viewer.map((v, k) => v + x * right[k] + y * up[k]));
-  return { view, normal: viewer, corners };
-});
-
-/** Where the six letters are for a camera: right and up of the cube's middle and towards the viewer, -1 to 1. */
-export function letters(camera, patient) {
-  const basis = basisOf(camera);
-  return Object.fromEntries(sides.map(({ view, normal }) => [
-    patient ? view.patient : view.axis,
-    [dot(normal, basis.right), dot(normal, basis.up), dot(normal, basis.viewer)]]));
-}
+/** For CSS, whose y axis points down: where a body's own axes come to lie. */
+const turned = (x, y, z) => `matrix3d(${[...x, 0, ...y, 0, ...z, 0, 0, 0, 0, 1]})`;
 
 export class Cube {
   constructor(lookFrom) {
-    this.canvas = byId('cube');
-    this.canvas.addEventListener('click', (event) => {
-      const box = this.canvas.getBoundingClientRect();
-      const side = this.sideAt(event.clientX - box.left, event.clientY - box.top);
-      if (side) lookFrom(side.view);
-    });
+    this.body = element('div');
+    this.body.append(...sixViews.map((view) => {
+      const side = element('span', { onclick: () => lookFrom(view) });
+      const { right, up, viewer } = basisOf({ ...view, roll: 0 });
+      side.style.transform = `${turned(right, up.map((c) => -c), viewer)} translateZ(var(--half))`;
+      return side;
+    }));
+    byId('cube').append(this.body);
   }
 
-  draw(camera, patient) {
-    const { context, width, height } = fitCanvas(this.canvas), size = Math.min(width, height) / 3.6;
-    const basis = basisOf(camera);
-    const place = (p) => [width / 2 + size * dot(p, basis.right), height / 2 - size * dot(p, basis.up)];
-    const [fill, line, text] = ['--panel', '--dim', '--text'].map(themeColour);
-    context.font = `600 ${Math.round(size * 0.62)}px system-ui, sans-serif`;
-    context.textAlign = 'center';
-    context.textBaseline = 'middle';
-    this.drawn = [];
-    for (const side of sides) {
-      const facing = dot(side.normal, basis.viewer);
-      if (facing < 1e-3) continue;
-      const path = new Path2D();
-      side.corners.map(place).forEach(([x, y], i) => (i ? path.lineTo(x, y) : path.moveTo(x, y)));
-      path.closePath();
-      context.globalAlpha = 0.86;
-      context.fillStyle = fill;
-      context.fill(path);
-      context.globalAlpha = 1;
-      context.strokeStyle = line;
-      context.stroke(path);
-      context.globalAlpha = clamp(3 * facing - 0.4, 0, 1);
-      context.fillStyle = text;
-      context.fillText(patient ? side.view.patient : side.view.axis, ...place(side.normal));
-      context.globalAlpha = 1;
-      this.drawn.push({ view: side.view, path });
-    }
+  begin(patient) {
+    sixViews.forEach((view, i) => (this.body.children[i].textContent = patient ? view.patient : view.axis));
   }
 
-  sideAt(x, y) {
-    const context = this.canvas.getContext('2d');
-    context.save();
-    context.resetTransform();
-    const found = this.drawn?.find(({ path }) => context.isPointInPath(path, x, y));
-    context.restore();
-    return found;
+  draw(camera) {
+    const { right, up, viewer } = basisOf(camera);
+    this.body.style.transform = turned(...[0, 1, 2].map((k) => [right[k], -up[k], viewer[k]]));
   }
 }

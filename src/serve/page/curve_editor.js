@@ -2,7 +2,7 @@
 
 import { byId, clamp, cssColour, fitCanvas, onDrag, onKeys, themeColour } from './dom.js';
 import { settings } from './settings.js';
-import { canLose, colourAt, opacityAt, withPoint, withPointAt } from './transfer_function.js';
+import { addColours, canLose, colourAt, opacityAt, withPoint, withPointAt } from './transfer_function.js';
 
 const near = 9, top = 10, bottom = 4, side = 8;  // pixels
 
@@ -25,10 +25,6 @@ export class CurveEditor {
   get tf() {
     return this.app.scene.state.transfer_function;
   }
-  get range() {
-    const { low, high } = this.app.volume.histogram;
-    return high > low ? [low, high] : [low, low + 1];
-  }
   get point() {
     return this.tf[this.selected.which][this.selected.index];
   }
@@ -40,25 +36,24 @@ export class CurveEditor {
   }
 
   x(value, width) {
-    const [low, high] = this.range;
+    const [low, high] = this.app.valueRange();
     return side + clamp((value - low) / (high - low), 0, 1) * (width - 2 * side);
   }
   y(opacity, height) {
     return top + (1 - opacity) * (height - top - bottom);
   }
-  valueAt(event, canvas) {
-    const box = canvas.getBoundingClientRect(), [low, high] = this.range;
-    const value = low + ((event.clientX - box.left - side) / (box.width - 2 * side)) * (high - low);
-    const opacity = 1 - (event.clientY - box.top - top) / (box.height - top - bottom);
+  valueAt({ offsetX, offsetY }, { clientWidth, clientHeight }) {
+    const [low, high] = this.app.valueRange();
+    const value = low + ((offsetX - side) / (clientWidth - 2 * side)) * (high - low);
+    const opacity = 1 - (offsetY - top) / (clientHeight - top - bottom);
     return [clamp(value, low, high), clamp(opacity, 0, 1)];
   }
 
-  indexAt(event, canvas, which) {
-    const box = canvas.getBoundingClientRect(), [x, y] = [event.clientX - box.left, event.clientY - box.top];
-    const distances = this.tf[which].map((p) =>
-      Math.hypot(this.x(p[0], box.width) - x, which === 'opacities' ? this.y(p[1], box.height) - y : 0));
+  indexAt({ offsetX, offsetY, pointerType }, { clientWidth, clientHeight }, which) {
+    const distances = this.tf[which].map((p) => Math.hypot(
+      this.x(p[0], clientWidth) - offsetX, which === 'opacities' ? this.y(p[1], clientHeight) - offsetY : 0));
     const best = distances.indexOf(Math.min(...distances));
-    return distances[best] <= (event.pointerType === 'touch' ? 2 * near : near) ? best : -1;
+    return distances[best] <= (pointerType === 'touch' ? 2 * near : near) ? best : -1;
   }
 
   take(event, canvas, which) {
@@ -99,7 +94,7 @@ export class CurveEditor {
       act(event);
     };
     const move = (values, opacities) => chosen(({ shiftKey }) => {
-      const [low, high] = this.range, [value, ...rest] = this.point, fine = shiftKey ? 0.002 : 0.01;
+      const [low, high] = this.app.valueRange(), [value, ...rest] = this.point, fine = shiftKey ? 0.002 : 0.01;
       if (which === 'opacities') rest[0] += opacities * fine;
       const point = [value + values * fine * (high - low), ...rest];
       this.app.sender.pulse();
@@ -173,11 +168,8 @@ export class CurveEditor {
   }
 
   drawStrip() {
-    const { context, width, height } = fitCanvas(byId('strip')), [low, high] = this.range, band = height - 12;
-    const gradient = context.createLinearGradient(side, 0, width - side, 0), steps = 64;
-    for (let i = 0; i <= steps; ++i)
-      gradient.addColorStop(i / steps, cssColour(colourAt(this.tf, low + ((high - low) * i) / steps)));
-    context.fillStyle = gradient;
+    const { context, width, height } = fitCanvas(byId('strip')), band = height - 12;
+    context.fillStyle = addColours(context.createLinearGradient(side, 0, width - side, 0), this.tf, this.app.valueRange());
     context.fillRect(0, 0, width, band);
     this.tf.colours.forEach((stop, i) => {
       const x = this.x(stop[0], width), chosen = this.selected.which === 'colours' && this.selected.index === i;

@@ -20,21 +20,8 @@ export class FilmPanel {
   }
 
   /** A reload keeps key frames, a new visit in the same tab does not. */
-  get kept() {
-    return `ringsplat.film ${location.pathname} ${this.app.volume.name}`;
-  }
   restore() {
-    const text = sessionStorage.getItem(this.kept);
-    if (text && this.app.visited) this.take(JSON.parse(text));
-    else this.keep();
-  }
-
-  keep() {
-    try {
-      if (this.app.hello) sessionStorage.setItem(this.kept, JSON.stringify(this.frames));
-    } catch {
-      // no storage in this window, or no room left
-    }
+    if (history.state?.film === this.app.volume.name) this.take(history.state.frames);
   }
 
   /** Key frames from outside. */
@@ -45,7 +32,7 @@ export class FilmPanel {
   set(frames) {
     this.stop();
     this.frames = frames;
-    this.keep();
+    if (this.app.hello) history.replaceState({ film: this.app.volume.name, frames }, '');
     const act = (label, title, disabled, onclick) =>
       element('button', { 'aria-label': title, title, disabled, onclick }, label);
     byId('key-frames').replaceChildren(...frames.map((frame, i) => {
@@ -100,9 +87,8 @@ export class FilmPanel {
   }
 
   begin(ffmpeg) {
-    byId('film-format').replaceChildren(element('option', { value: 'zip' }, 'PNGs (ZIP)'),
-                                        ...(ffmpeg ? [element('option', { value: 'mp4' }, 'MP4')] : []));
-    if (ffmpeg) byId('film-format').value = 'mp4';
+    byId('film-mp4').disabled = !ffmpeg;
+    byId('film-format').value = ffmpeg ? 'mp4' : 'zip';
   }
 
   async render() {

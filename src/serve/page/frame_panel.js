@@ -5,7 +5,6 @@ import { byId, clamp } from './dom.js';
 export class FramePanel {
   constructor(app) {
     this.app = app;
-    this.names = [''];
     this.timer = 0;
     this.playing = false;
     this.seen = 0;  // the frame of the last picture
@@ -18,15 +17,17 @@ export class FramePanel {
     byId('frame-play').addEventListener('click', () => this.toggle());
   }
 
-  begin(names) {
+  begin() {
     this.stop();
-    this.names = names;
-    byId('series').hidden = names.length < 2;
-    byId('frame').max = names.length - 1;
+    byId('series').hidden = this.count < 2;
+    byId('frame').max = this.count - 1;
     this.say('');
     this.refresh();
   }
 
+  get names() {
+    return this.app.hello.frames;
+  }
   get count() {
     return this.names.length;
   }
@@ -100,7 +101,7 @@ export class FramePanel {
   }
 
   refresh() {
-    const slider = byId('frame'), name = this.names[this.frame] ?? '';
+    const slider = byId('frame'), name = this.names[this.frame];
     slider.value = this.frame;
     slider.setAttribute('aria-valuetext', `${name}, ${this.frame + 1} of ${this.count}`);
     byId('frame-name').textContent = `${name} (${this.frame + 1} of ${this.count})`;

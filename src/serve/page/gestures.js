@@ -6,6 +6,9 @@ import { windowed, windowOf } from './transfer_function.js';
 
 const radiansEachSide = 2.2;  // how far a drag over the shorter side turns the volume
 
+/** From one direction in the picture to another, clockwise. */
+const degreesBetween = (a, b) => ((Math.atan2(b[1], b[0]) - Math.atan2(a[1], a[0])) * 180) / Math.PI;
+
 export class Gestures {
   constructor(app, canvas) {
     this.app = app;
@@ -24,9 +27,8 @@ export class Gestures {
     listen('auxclick', (event) => event.preventDefault());
   }
 
-  place(event) {
-    const box = this.canvas.getBoundingClientRect();
-    return [event.clientX - box.left, event.clientY - box.top];
+  place({ offsetX, offsetY }) {
+    return [offsetX, offsetY];
   }
 
   get side() {
@@ -42,6 +44,12 @@ export class Gestures {
     if (event.button === 2) return 'window';
     if (event.button === 1 || event.shiftKey) return 'pan';
     return event.altKey ? 'roll' : 'turn';
+  }
+
+  /** As movePicture() of the camera. */
+  moveCamera(by) {
+    const { scene } = this.app;
+    scene.change({ camera: movePicture(scene.state.camera, by) });
   }
 
   down(event) {
@@ -80,17 +88,10 @@ export class Gestures {
     if (shift[0] === 0 && shift[1] === 0) return;
     const radians = shift.map((d) => (d / this.side) * radiansEachSide);
     if (this.mode === 'turn') scene.change({ camera: turning[settings.turning](scene.state.camera, ...radians) });
-    if (this.mode === 'pan')
-      scene.change({ camera: movePicture(scene.state.camera, { shift: shift.map((d) => d / this.side) }) });
-    if (this.mode === 'roll') this.roll(before, now);
+    if (this.mode === 'pan') this.moveCamera({ shift: shift.map((d) => d / this.side) });
+    if (this.mode === 'roll')
+      this.moveCamera({ roll: degreesBetween(this.fromMiddle(before), this.fromMiddle(now)) });
     if (this.mode === 'window') this.windowLevel(now);
-  }
-
-  roll(before, now) {
-    const { clientWidth, clientHeight } = this.canvas;
-    const angle = ([x, y]) => (Math.atan2(y - 0.5 * clientHeight, x - 0.5 * clientWidth) * 180) / Math.PI;
-    const { scene } = this.app;
-    scene.change({ camera: movePicture(scene.state.camera, { roll: angle(now) - angle(before) }) });
   }
 
   /** Right widens the window, up raises the level; each is told from the drag's start. */
@@ -109,20 +110,17 @@ export class Gestures {
     const spread = (p) => [p[0] - other[0], p[1] - other[1]];
     const [a, b] = [spread(before), spread(now)];
     const zoom = Math.max(Math.hypot(...b), 1) / Math.max(Math.hypot(...a), 1);
-    const roll = ((Math.atan2(b[1], b[0]) - Math.atan2(a[1], a[0])) * 180) / Math.PI;
-    const { scene } = this.app;
-    scene.change({ camera: movePicture(scene.state.camera, { at: this.fromMiddle(other), zoom, roll }) });
+    this.moveCamera({ at: this.fromMiddle(other), zoom, roll: degreesBetween(a, b) });
     this.fingers.set(moved, now);
   }
 
   wheel(event) {
     event.preventDefault();
-    const { scene, sender } = this.app;
-    if (!scene.state) return;
+    if (!this.app.scene.state) return;
     this.app.film.stop();
     const pixels = event.deltaY * [1, 16, 400][event.deltaMode];
     const zoom = Math.exp(-pixels * (event.ctrlKey ? 0.01 : 0.0015));
-    sender.pulse();
-    scene.change({ camera: movePicture(scene.state.camera, { at: this.fromMiddle(this.place(event)), zoom }) });
+    this.app.sender.pulse();
+    this.moveCamera({ at: this.fromMiddle(this.place(event)), zoom });
   }
 }

@@ -1,8 +1,8 @@
 // What is drawn over the picture: the clip box's edges, scale bar, colour bar and the probe's cross.
 
-import { byId, clamp, cssColour, fitCanvas, niceStep, show } from './dom.js';
+import { byId, clamp, fitCanvas, niceStep, show } from './dom.js';
 import { settings } from './settings.js';
-import { colourAt } from './transfer_function.js';
+import { addColours } from './transfer_function.js';
 
 const margin = 16, foot = 10;
 
@@ -46,10 +46,7 @@ function drawScaleBar(context, colours, { bar, unit, perspective, height }) {
 
 function drawColourBar(context, colours, tf, [low, high], height) {
   const tall = clamp(height * 0.3, 80, 200), top = height - foot - 44 - tall, wide = 12;
-  const gradient = context.createLinearGradient(0, top + tall, 0, top), steps = 48;
-  for (let i = 0; i <= steps; ++i)
-    gradient.addColorStop(i / steps, cssColour(colourAt(tf, low + ((high - low) * i) / steps)));
-  context.fillStyle = gradient;
+  context.fillStyle = addColours(context.createLinearGradient(0, top + tall, 0, top), tf, [low, high]);
   context.fillRect(margin, top, wide, tall);
   context.lineWidth = 1;
   context.strokeStyle = colours.text;

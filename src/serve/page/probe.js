@@ -8,14 +8,11 @@ import { showError } from './status.js';
 export class Probe {
   constructor(app) {
     this.app = app;
+    this.canvas = byId('picture');
     this.cross = null;  // CSS pixels of the canvas
     this.asked = 0;
     this.result = null;
     this.places = [];  // on the lattice, the last three
-  }
-
-  get canvas() {
-    return byId('picture');
   }
 
   /** Asks at a place of the canvas. */

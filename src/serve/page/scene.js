@@ -89,19 +89,14 @@ export class Scene {
   }
 }
 
-/** What the address brings: a token, a state, or both (`TOKEN&state=...`). */
+/** What the address brings: a token, a state, or both (`TOKEN&state=...`); null where there is none. */
 export function readFragment(hash) {
-  const out = { token: null, state: null };
-  for (const piece of hash.replace(/^#/, '').split('&')) {
-    if (piece.startsWith('state=')) {
-      try {
-        out.state = JSON.parse(decodeURIComponent(piece.slice(6)));
-      } catch {
-        out.state = undefined;  // there is one, but it cannot be read
-      }
-    } else if (piece) {
-      out.token = piece.replace(/^token=/, '');
-    }
+  const { state = 'null', token, ...bare } = Object.fromEntries(new URLSearchParams(hash.slice(1)));
+  const out = { token: token ?? Object.keys(bare)[0] ?? null };
+  try {
+    out.state = JSON.parse(state);
+  } catch {
+    // there is one, but it cannot be read
   }
   return out;
 }

@@ -33,29 +33,24 @@ export function set(part) {
   for (const listener of listeners) listener();
 }
 
-const boxes = { 'show-cube': 'cube', 'show-scale': 'scale', 'show-colours': 'colours', 'show-box': 'box',
-                'show-slices': 'slices', 'log-axis': 'logAxis' };
-
-/** Ties the page's fields to the settings. */
+/** Ties the page's fields to the settings that they name. */
 export function attachSettings() {
   light.addEventListener('change', () => set({}));
-  for (const [id, name] of Object.entries(boxes))
-    byId(id).addEventListener('change', (event) => set({ [name]: event.target.checked }));
-  for (const radio of document.getElementsByName('turning'))
-    radio.addEventListener('change', () => set({ turning: radio.value }));
-  byId('theme').addEventListener('change', (event) => set({ theme: event.target.value }));
-  byId('fold').addEventListener('click', () => {
-    set({ folded: true });
-    byId('unfold').focus();
-  });
-  byId('unfold').addEventListener('click', () => {
-    set({ folded: false });
-    byId('fold').focus();
-  });
+  const fields = document.querySelectorAll('[data-setting]');
+  for (const field of fields)
+    field.addEventListener('change', () =>
+      set({ [field.dataset.setting]: field.type === 'checkbox' ? field.checked : field.value }));
+  for (const [id, other] of [['fold', 'unfold'], ['unfold', 'fold']])
+    byId(id).addEventListener('click', () => {
+      set({ folded: id === 'fold' });
+      byId(other).focus();
+    });
   onSettings(() => {
-    for (const [id, name] of Object.entries(boxes)) byId(id).checked = settings[name];
-    for (const radio of document.getElementsByName('turning')) radio.checked = radio.value === settings.turning;
-    byId('theme').value = settings.theme;
+    for (const field of fields) {
+      const value = settings[field.dataset.setting];
+      if (field.type === 'select-one') field.value = value;
+      else field.checked = field.type === 'radio' ? field.value === value : value;
+    }
     document.documentElement.dataset.theme = settings.theme === 'auto' ? systemsTheme() : settings.theme;
     const folded = settings.folded ?? matchMedia('(max-width: 700px)').matches;
     document.body.classList.toggle('folded', folded);

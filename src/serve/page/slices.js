@@ -55,8 +55,8 @@ class Pane {
     const { left, top, width, height } = this.place(), { lies } = this, { volume } = this.slices;
     const at = [...this.slices.at];
     for (const [code, part] of [[lies.right, (x - left) / width], [lies.up, 1 - (y - top) / height]]) {
-      const k = Math.abs(code) - 1, count = volume.dims[k];
-      at[k] = clamp(Math.floor((code < 0 ? 1 - part : part) * count), 0, count - 1);
+      const k = Math.abs(code) - 1;
+      at[k] = (code < 0 ? 1 - part : part) * volume.dims[k] - 0.5;
     }
     this.slices.goTo(at);
   }
@@ -64,7 +64,7 @@ class Pane {
   /** What the server is asked for: this slice as it is, in the canvas's pixels. */
   question() {
     const { width, height } = this.place(), ratio = window.devicePixelRatio || 1, most = this.slices.app.hello.largest;
-    const [columns, rows] = [width, height].map((side, k) => clamp(Math.round(side * ratio), 1, most[k]));
+    const [columns, rows] = [width, height].map((side) => clamp(Math.round(side * ratio), 1, most));
     return { width: columns, height: rows, state: this.slices.state(), slice: [this.axis, this.slices.at[this.axis]] };
   }
 
@@ -132,13 +132,9 @@ export class Slices {
     return { ...state, transfer_function: hello.modes.mip, channels };
   }
 
-  /** All pictures are those of the slices that are shown. */
-  get drawn() {
-    return this.panes.every(({ bitmap, asks }) => bitmap && !asks);
-  }
-
-  begin() {
-    this.at = this.volume.dims.map((count) => Math.floor(count / 2));
+  /** In the middle at first; after a lost connection the slices stay where they were. */
+  begin(resumes) {
+    this.at = this.nearest(resumes ? this.at : this.volume.dims.map((count) => 0.5 * (count - 1)));
     this.words = [];
     this.looks = '';
   }
@@ -155,12 +151,16 @@ export class Slices {
   }
 
   step(axis, way) {
-    this.goTo(this.at.with(axis, clamp(this.at[axis] + way, 0, this.volume.dims[axis] - 1)));
+    this.goTo(this.at.with(axis, this.at[axis] + way));
   }
 
-  /** Has the slices meet at a voxel, which need not be whole. */
-  goTo(voxel) {
-    const at = voxel.map((v, k) => clamp(Math.round(v), 0, this.volume.dims[k] - 1)), before = this.at;
+  nearest(place) {
+    return place.map((v, k) => clamp(Math.round(v), 0, this.volume.dims[k] - 1));
+  }
+
+  /** Has the slices meet at the voxel that is nearest. */
+  goTo(place) {
+    const at = this.nearest(place), before = this.at;
     if (at.every((v, k) => v === before[k])) return;
     [this.at, this.words] = [at, []];
     for (const pane of this.panes) {

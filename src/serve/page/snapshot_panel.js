@@ -22,7 +22,7 @@ export class SnapshotPanel {
   }
 
   begin(largest) {
-    for (const what of ['snapshot', 'film']) [byId(`${what}-width`).max, byId(`${what}-height`).max] = largest;
+    for (const what of ['snapshot', 'film']) byId(`${what}-width`).max = byId(`${what}-height`).max = largest;
     if (!byId('snapshot-width').value) this.takeWindowSize();
   }
 
@@ -31,7 +31,7 @@ export class SnapshotPanel {
     const valid = ['snapshot-width', 'snapshot-height'].every((id) => byId(id).checkValidity());
     if (!valid || !(width > 0 && height > 0))
       return void showError('A picture cannot have this size.',
-                               `At most ${this.app.hello.largest.join(' × ')} pixels.`);
+                               `At most ${this.app.hello.largest} pixels a side.`);
     const format = byId('snapshot-format').value, button = byId('snapshot');
     button.disabled = true;
     byId('snapshot-words').textContent = 'rendering …';

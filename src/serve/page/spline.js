@@ -67,11 +67,9 @@ export function sceneAt(frames, time, dims) {
   const four = [-1, 0, 1, 2].map((k) => frames[clamp(first + k, 0, frames.length - 1)]);
   const light = curve(...four.map((f) => f.light), t);
   return {
+    ...four[t < 0.5 ? 1 : 2],
     camera: camera(four.map((f) => f.camera), t),
     transfer_function: transferFunction(four.map((f) => f.transfer_function), t),
-    shading: four[t < 0.5 ? 1 : 2].shading,
-    mode: four[t < 0.5 ? 1 : 2].mode,
-    channels: four[t < 0.5 ? 1 : 2].channels,
     isovalue: curve(...four.map((f) => [f.isovalue]), t)[0],
     frame: Math.round((1 - t) * four[1].frame + t * four[2].frame),
     light: Math.hypot(...light) > 1e-6 ? light : four[1].light,

@@ -6,49 +6,46 @@ import { byId, cssColour, onceAFrame } from './dom.js';
 const mostRemembered = 512;
 
 export class Stage {
-  /** `view()` gives the present camera and background, and whether this page drives. */
-  constructor(view, onResize, onShown) {
-    this.view = view;
-    this.onShown = onShown;
+  constructor(app) {
+    this.app = app;
     this.canvas = byId('picture');
     this.context = this.canvas.getContext('2d', { alpha: false });
     this.shown = null;  // the bitmap on the canvas and what it shows
-    this.list = [];     // facts of all pictures lately shown
     this.sent = new Map();
-    this.largest = [4096, 4096];
+    this.largest = 4096;
     this.draw = onceAFrame(() => this.drawNow());
     const exact = 'devicePixelContentBoxSize' in ResizeObserverEntry.prototype;
     new ResizeObserver(([entry]) => {
       const box = exact ? entry.devicePixelContentBoxSize[0] : null;
       this.box = { width: entry.contentRect.width, height: entry.contentRect.height,
                    columns: box?.inlineSize, rows: box?.blockSize };
-      this.measure(onResize);
+      this.measure();
     }).observe(this.canvas, { box: exact ? 'device-pixel-content-box' : 'content-box' });
-    this.watchRatio(onResize);
+    this.watchRatio();
   }
 
-  measure(onResize) {
+  measure() {
     if (!this.box) return;
     const ratio = window.devicePixelRatio || 1, { width, height, columns, rows } = this.box;
     // The exact size, unless it leaves out a ratio that is only emulated.
     const pixels = (exactly, css) => (Math.abs(exactly - css * ratio) < 2 ? exactly : Math.round(css * ratio));
     this.place = [pixels(columns, width), pixels(rows, height)];
     this.resize();
-    onResize();
+    this.app.resized();
   }
 
   /** The window may come to a screen with other pixels. */
-  watchRatio(onResize) {
+  watchRatio() {
     matchMedia(`(resolution: ${window.devicePixelRatio || 1}dppx)`).addEventListener('change', () => {
-      this.measure(onResize);
-      this.watchRatio(onResize);
+      this.measure();
+      this.watchRatio();
     }, { once: true });
   }
 
   resize() {
     if (!this.place) return;
     const [width, height] = this.place;
-    const scale = Math.min(1, this.largest[0] / width, this.largest[1] / height);
+    const scale = Math.min(1, this.largest / Math.max(width, height));
     const size = [width, height].map((n) => Math.max(1, Math.round(n * scale)));
     if (this.canvas.width === size[0] && this.canvas.height === size[1]) return;
     [this.canvas.width, this.canvas.height] = size;
@@ -68,7 +65,7 @@ export class Stage {
   /** The picture's size that watchers and drivers see, and where it lies on the canvas. */
   fit() {
     const { width, height } = this.canvas;
-    if (this.view().driving || !this.shown) return { width, height, scale: 1, left: 0, top: 0 };
+    if (this.app.driving || !this.shown) return { width, height, scale: 1, left: 0, top: 0 };
     const scale = Math.min(width / this.shown.width, height / this.shown.height);
     return { width: this.shown.width, height: this.shown.height, scale,
              left: 0.5 * (width - scale * this.shown.width), top: 0.5 * (height - scale * this.shown.height) };
@@ -88,43 +85,37 @@ export class Stage {
 
   isStale(head) {
     const last = this.shown;
-    if (this.view().driving && !this.sent.has(head.seq)) return last !== null;  // of another page's view
+    if (this.app.driving && !this.sent.has(head.seq)) return last !== null;  // of another page's view
     return last !== null && last.seq >= 0 &&
            (head.seq < last.seq || (head.seq === last.seq && head.level < last.level));
   }
 
-  /** Decodes and shows a picture unless a newer one is there. True if it was shown. */
+  /** Decodes and shows a picture unless a newer one is there. */
   async take(head) {
-    if (this.isStale(head)) return false;
+    if (this.isStale(head)) return;
     let bitmap;
     try {
       bitmap = await createImageBitmap(head.blob, { colorSpaceConversion: 'none' });
     } catch {
-      return false;
+      return;
     }
-    if (this.isStale(head)) {
-      bitmap.close();
-      return false;
-    }
+    if (this.isStale(head)) return void bitmap.close();
     this.shown?.bitmap.close();
     const asked = this.sent.get(head.seq) ?? { camera: null, width: head.width, height: head.height };
-    const own = !this.view().driving || this.sent.has(head.seq);
+    const own = !this.app.driving || this.sent.has(head.seq);
     this.shown = { ...asked, bitmap, seq: own ? head.seq : -1, level: head.level };
-    const { blob, ...facts } = head, now = performance.now();
-    this.list.push({ ...facts, at: now, latency: now - head.time });
-    if (this.list.length > mostRemembered) this.list.shift();
     this.draw();
-    this.onShown(this.list.at(-1));
-    return true;
+    this.app.pictureShown(head, performance.now() - head.time);
   }
 
   drawNow() {
-    const { context, canvas, shown } = this, { camera, background, driving } = this.view();
+    const { context, canvas, shown } = this, { driving, scene: { state } } = this.app;
+    if (!state) return;
     context.setTransform(1, 0, 0, 1, 0, 0);
-    context.fillStyle = cssColour(background);
+    context.fillStyle = cssColour(state.background);
     context.fillRect(0, 0, canvas.width, canvas.height);
     if (!shown) return;
-    if (driving && shown.camera) this.preview(shown, camera);
+    if (driving && shown.camera) this.preview(shown, state.camera);
     else {
       const { scale, left, top } = this.fit();
       context.setTransform(scale, 0, 0, scale, left, top);

@@ -23,7 +23,7 @@ export function showFacts(picture, latency, hello) {
     `${ranks} ${ranks === 1 ? 'rank' : 'ranks'}`,
   ];
   byId('more-facts').textContent = more.filter(Boolean).join(' · ');
-  byId('status').title = `${levels?.[picture.level]?.name ?? ''} (${picture.level + 1} of ${picture.levels}); ${layout}`;
+  byId('status').title = `${levels[picture.level]} (${picture.level + 1} of ${picture.levels}); ${layout}`;
 }
 
 export function showDriver(driving, viewers) {

@@ -1,7 +1,7 @@
 // Transfer functions as the state holds them: colours [[value, r, g, b] ...] in sRGB and opacities
 // [[value, opacity] ...], ascending, linear between points and constant beyond. All functions give new ones.
 
-import { clamp } from './dom.js';
+import { clamp, cssColour } from './dom.js';
 
 const toLinear = (c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
 const toSrgb = (c) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
@@ -25,6 +25,14 @@ export function colourAt(tf, value) {
   const [a, b, t] = between(tf.colours, value);
   const [from, to] = [a, b].map((point) => point.slice(1).map(toLinear));
   return from.map((c, k) => toSrgb(c + t * (to[k] - c)));
+}
+
+/** Gives a canvas's gradient the colours between two values. */
+export function addColours(gradient, tf, [low, high]) {
+  const steps = 64;
+  for (let i = 0; i <= steps; ++i)
+    gradient.addColorStop(i / steps, cssColour(colourAt(tf, low + ((high - low) * i) / steps)));
+  return gradient;
 }
 
 const fewest = 2;
@@ -54,11 +62,16 @@ export function windowOf(tf) {
   return { level: 0.5 * (low + high), width: high - low };
 }
 
+/** All points at other values: `place` of those that they have. */
+function placed(tf, place) {
+  const move = ([value, ...rest]) => [place(value), ...rest];
+  return { ...tf, name: 'edited', colours: tf.colours.map(move), opacities: tf.opacities.map(move) };
+}
+
 /** Window and level: stretches all points about the window's middle and shifts them. */
 export function stretched(tf, factor, shift) {
   const { level } = windowOf(tf);
-  const move = ([value, ...rest]) => [level + shift + factor * (value - level), ...rest];
-  return { ...tf, name: 'edited', colours: tf.colours.map(move), opacities: tf.opacities.map(move) };
+  return placed(tf, (value) => level + shift + factor * (value - level));
 }
 
 /** The same, but the values below and above all that is visible stay transparent. */
@@ -74,8 +87,7 @@ export function windowed(tf, factor, shift) {
 export function spread(tf, low, high) {
   const values = [...tf.colours, ...tf.opacities].map((p) => p[0]), first = Math.min(...values);
   const width = Math.max(...values) - first || 1;
-  const move = ([value, ...rest]) => [low + ((value - first) / width) * (high - low), ...rest];
-  return { ...tf, name: 'edited', colours: tf.colours.map(move), opacities: tf.opacities.map(move) };
+  return placed(tf, (value) => low + ((value - first) / width) * (high - low));
 }
 
 /** A map's colours, evenly over the values that the function's colours cover now. */

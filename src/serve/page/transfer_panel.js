@@ -38,7 +38,7 @@ export class TransferPanel {
     });
     byId('presets').addEventListener('change', ({ target }) => {
       const preset = this.presets.find(({ name }) => name === target.value);
-      if (preset) this.edit({ name: preset.name, ...preset.transfer_function }, true);
+      if (preset) this.edit(preset, true);
     });
     // Each mode has a function of its own, which it gets back.
     byId('mode').addEventListener('change', ({ target: { value: mode } }) => {
@@ -61,7 +61,7 @@ export class TransferPanel {
   }
 
   begin({ presets, modes }) {
-    this.presets = presets ?? [];
+    this.presets = presets;
     this.functions = { ...modes };
     byId('modes').hidden = Object.keys(this.functions).length === 0;
     byId('presets').replaceChildren(element('option', { value: '' }, '–'),
@@ -99,6 +99,6 @@ export class TransferPanel {
     const { level, width } = windowOf(this.tf);
     byId('level').value = show(level, 5);
     byId('window').value = show(width, 5);
-    byId('presets').value = this.presets?.some(({ name }) => name === this.tf.name) ? this.tf.name : '';
+    byId('presets').value = this.presets.some(({ name }) => name === this.tf.name) ? this.tf.name : '';
   }
 }

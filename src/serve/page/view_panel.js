@@ -1,8 +1,7 @@
 // Camera, light, shading and background by fields.
 
 import { sixViews } from './camera.js';
-import { byId, clamp, element, fitCanvas, fromHex, onDrag, onKeys, onNumber, show, themeColour, toHex } from './dom.js';
-import { onSettings } from './settings.js';
+import { byId, clamp, element, fromHex, onDrag, onKeys, onNumber, show, toHex } from './dom.js';
 
 const cameraFields = ['azimuth', 'elevation', 'roll', 'zoom'], panFields = ['pan-right', 'pan-down'];
 const lightFields = ['light-right', 'light-up', 'light-front'];
@@ -18,10 +17,8 @@ export class ViewPanel {
     byId('reset').addEventListener('click', () => app.resetCamera());
     for (const radio of document.getElementsByName('projection'))
       radio.addEventListener('change', () => app.setProjection(radio.value === 'perspective'));
-    onNumber(byId('fov'), (degrees) => {
-      app.lastFov = degrees;
-      if (app.scene.state.camera.fov > 0) app.setProjection(true);
-    }, refresh);
+    onNumber(byId('fov'), (fov) =>
+      app.scene.state.camera.fov > 0 && app.scene.change({ camera: { fov, distance: 0 } }), refresh);
     byId('shading').addEventListener('change', () => app.toggleShading());
     byId('background').addEventListener('input', ({ target }) => {
       app.sender.pulse();
@@ -32,8 +29,6 @@ export class ViewPanel {
       if (Math.hypot(...light) > 0) app.scene.change({ light });
     }, refresh));
     this.attachPad();
-    onSettings(() => this.drawPad());
-    new ResizeObserver(() => this.drawPad()).observe(byId('light-pad'));
   }
 
   begin(patient) {
@@ -54,19 +49,17 @@ export class ViewPanel {
     lightFields.forEach((id, k) => put(id, light[k]));
     for (const radio of document.getElementsByName('projection'))
       radio.checked = (radio.value === 'perspective') === camera.fov > 0;
-    byId('fov').value = show(camera.fov > 0 ? camera.fov : this.app.lastFov);
+    if (camera.fov > 0) byId('fov').value = show(camera.fov);
     byId('fov').disabled = !(camera.fov > 0);
     byId('shading').checked = state.shading === 'phong';
     byId('background').value = toHex(state.background);
-    this.drawPad();
+    this.showLight();
   }
 
   attachPad() {
     const pad = byId('light-pad');
-    const take = (event) => {
-      const box = pad.getBoundingClientRect(), half = 0.5 * box.width - 4;
-      this.aim((event.clientX - box.left - box.width / 2) / half, -(event.clientY - box.top - box.height / 2) / half);
-    };
+    const take = ({ offsetX, offsetY }) =>
+      this.aim((2 * offsetX) / pad.clientWidth - 1, 1 - (2 * offsetY) / pad.clientHeight);
     onDrag(this.app, pad, { begin: take, move: take });
     const move = (right, up) => () => {
       const [x, y] = this.unitLight();
@@ -90,32 +83,10 @@ export class ViewPanel {
     this.app.scene.change({ light: [right, up, front].map((c) => Number(c.toFixed(4))) });
   }
 
-  drawPad() {
-    if (!this.app.scene.state || byId('light-pad').clientWidth === 0) return;  // folded
-    const { context, width, height } = fitCanvas(byId('light-pad')), radius = width / 2 - 4;
-    const [x, y, z] = this.unitLight(), at = [width / 2 + x * radius, height / 2 - y * radius];
-    const behind = z < 0;
-    const ball = behind ? themeColour('--curve')
-                        : context.createRadialGradient(...at, radius * 0.05, width / 2, height / 2, radius * 1.15);
-    if (!behind) {
-      ball.addColorStop(0, '#f4f1ea');
-      ball.addColorStop(0.35, '#a9adb5');
-      ball.addColorStop(1, '#3b3f47');
-    }
-    context.beginPath();
-    context.arc(width / 2, height / 2, radius, 0, 2 * Math.PI);
-    context.fillStyle = ball;
-    context.fill();
-    context.strokeStyle = themeColour('--line');
-    context.stroke();
-    context.beginPath();
-    context.arc(...at, 5, 0, 2 * Math.PI);
-    context.lineWidth = 2;
-    context.strokeStyle = themeColour('--accent');
-    if (!behind) {
-      context.fillStyle = '#fff';
-      context.fill();
-    }
-    context.stroke();
+  showLight() {
+    const pad = byId('light-pad'), [x, y, z] = this.unitLight();
+    pad.style.setProperty('--x', `${50 + 50 * x}%`);
+    pad.style.setProperty('--y', `${50 - 50 * y}%`);
+    pad.classList.toggle('behind', z < 0);
   }
 }

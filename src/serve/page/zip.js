@@ -31,9 +31,8 @@ const dosDate = (date) => ((date.getFullYear() - 1980) << 9) | ((date.getMonth()
 export const mostMembers = 65535;  // without ZIP64
 const mostBytes = 0xffffffff;  // without ZIP64
 
-/** `members`: [{name, bytes}]. Throws when the archive would be too large for the plain format. */
+/** `members`: [{name, bytes}], mostMembers at most. Throws when the archive would be too large for the plain format. */
 export function zip(members, date = new Date()) {
-  if (members.length > mostMembers) throw new Error(`a ZIP holds at most ${mostMembers} files`);
   const parts = [], directory = [];
   let offset = 0;
   for (const { name, bytes } of members) {
