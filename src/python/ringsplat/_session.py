@@ -87,15 +87,11 @@ def _by_itself(method: F) -> F:
 
     @functools.wraps(method)
     def call(self: "Session", *args: Any, **options: Any) -> Any:
-        core = self._open()
-        try:
+        if self.ranks == 1:
             return method(self, *args, **options)
-        except Exception as problem:
-            if core.ranks == 1:
-                raise
-            self._problem = self._problem or problem
-            core.note_problem(_text(problem))
-            return len(self._blocks)
+        with self._noted():
+            return method(self, *args, **options)
+        return len(self._blocks)
 
     return cast(F, call)
 
@@ -238,11 +234,8 @@ class Session:
         with self._together(), contextlib.ExitStack() as stack:
             told = stack.enter_context(_progress.told(progress and core.rank == 0))
             if core.rank == 0:
-                try:
+                with self._noted():
                     words, views = stack.enter_context(command_line(options, session=True))
-                except Exception as problem:  # the other ranks must learn of it
-                    self._problem = self._problem or problem
-                    core.note_problem(_text(problem))
             pictures = core.render(words, views or [], told)
         if core.rank != 0:
             return None
@@ -276,13 +269,10 @@ class Session:
         """
         with self._together(), contextlib.ExitStack() as stack:
             words: list[str] = []
-            try:
+            with self._noted():
                 words, views = stack.enter_context(command_line(options, session=True))
                 if views is not None:
                     raise TypeError("serve() takes one view, not lists of angles")
-            except Exception as problem:
-                self._problem = self._problem or problem
-                self._open().note_problem(_text(problem))
             lists = (list(allow_hosts), list(allow_origins), list(frame_origins))
             return cast(str, self._open().serve(words, name, address, port, share, *lists))
 
@@ -314,6 +304,15 @@ class Session:
         if not self._cores:
             raise InputError("the session is closed; hint: make another")
         return self._cores[0]
+
+    @contextlib.contextmanager
+    def _noted(self) -> Iterator[None]:
+        """What goes wrong is kept for the collective call to raise, as the other ranks must learn of it."""
+        try:
+            yield
+        except Exception as problem:
+            self._problem = self._problem or problem
+            self._open().note_problem(_text(problem))
 
     @contextlib.contextmanager
     def _together(self) -> Iterator[None]:
