@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Prints src/python/ringsplat/_options.py, the types of the picture's options for editors, from the program's table.
-
-PYTHONPATH=build/release/python python3 scripts/python_options.py > src/python/ringsplat/_options.py
+"""Writes the package's _options.py, the types of the picture's options for editors, from the program's table, as the build
+does: PYTHONPATH=build/release/python python3 scripts/python_options.py FILE
 """
+
+import pathlib
+import sys
 
 from ringsplat._table import options_for
 
@@ -20,10 +22,6 @@ class PictureOptions(TypedDict, total=False):
 
 '''
 
-
-def text() -> str:
-    return HEAD + "\n".join(f"    {option.name}: {option.annotation}" for option in options_for(session=False)) + "\n"
-
-
 if __name__ == "__main__":
-    print(text(), end="")
+    lines = [f"    {option.name}: {option.annotation}\n" for option in options_for(session=False)]
+    pathlib.Path(sys.argv[1]).write_text(HEAD + "".join(lines))

@@ -1,5 +1,5 @@
 # Whether Python's module is built, and for which MPI. scikit-build-core, which makes wheels, sets SKBUILD.
-set(RINGSPLAT_PYTHON_MODULE AUTO CACHE STRING "Build Python's module: ON, OFF or AUTO (where nanobind and Python's headers are)")
+set(RINGSPLAT_PYTHON_MODULE AUTO CACHE STRING "Build Python's module: ON, OFF or AUTO (where nanobind, NumPy and Python's headers are)")
 set(with_mpi ON)
 if(SKBUILD)
   set(with_mpi OFF)
@@ -20,15 +20,15 @@ elseif(NOT RINGSPLAT_PYTHON_MODULE STREQUAL "OFF")
   endif()
   find_package(Python 3.9 QUIET COMPONENTS Interpreter Development.Module)
   if(Python_FOUND)
-    execute_process(COMMAND ${Python_EXECUTABLE} -c "import nanobind, nanobind.stubgen"
-      RESULT_VARIABLE no_nanobind OUTPUT_QUIET ERROR_QUIET)
-    if(no_nanobind EQUAL 0)
+    execute_process(COMMAND ${Python_EXECUTABLE} -c "import nanobind, nanobind.stubgen, numpy"
+      RESULT_VARIABLE no_packages OUTPUT_QUIET ERROR_QUIET)
+    if(no_packages EQUAL 0)
       set(RINGSPLAT_PYTHON_FOUND TRUE)
     endif()
   endif()
   if(NOT RINGSPLAT_PYTHON_FOUND AND NOT RINGSPLAT_PYTHON_MODULE STREQUAL "AUTO")
-    message(FATAL_ERROR "Python's module needs Python 3.9 with its headers (Debian: python3-dev) and nanobind "
-      "(pip install nanobind, before 3.11 typing_extensions, too, or python3 tests/python/make.py build/python); "
+    message(FATAL_ERROR "Python's module needs Python 3.9 with its headers (Debian: python3-dev), nanobind and NumPy "
+      "(pip install nanobind numpy, before 3.11 typing_extensions, too, or python3 tests/python/make.py build/python); "
       "Python_EXECUTABLE names another Python.")
   endif()
 endif()
