@@ -1,4 +1,5 @@
 #pragma once
+#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
@@ -30,12 +31,10 @@ class NotingSource final : public ForwardingSource {
   std::vector<bool> noted_;  ///< by slice
 };
 
-/// Reads `runs` of a source into memory on a thread of its own, which begins at once and calls no MPI. It
-/// holds at most `most_bytes`, or one run; slices that were asked for make room for others. read_slices()
-/// gives what is there, waits for what is being read or will be, and reads all else itself. An error of the
-/// thread is thrown where its slices are asked for.
-///
-/// The source is used by one thread at a time. finish() waits until the thread reads no more.
+/// Reads `runs` of a source into memory on a thread of its own, which begins at once and calls no MPI, until
+/// all are read or another one would take more than `most_bytes`. read_slices() gives what is there and waits
+/// for the rest; what the thread left out it reads itself. An error of the thread is thrown where its slices
+/// are asked for.
 class ReadAheadSource final : public ForwardingSource {
  public:
   ReadAheadSource(std::unique_ptr<VolumeSource> source, std::vector<SliceRun> runs, std::size_t most_bytes);
@@ -47,27 +46,17 @@ class ReadAheadSource final : public ForwardingSource {
   void read_slices(int first, int count, std::span<std::byte> out) override;
 
  private:
-  struct Slice {
-    std::vector<std::byte> voxels;
-    bool asked_for = false;
-  };
   void run();
-  void read_next(std::unique_lock<std::mutex>& lock);
-  void read_source(int first, int count, std::span<std::byte> out);
-  bool make_room(const SliceRun& run);
+  void read(const SliceRun& run);
   bool has(int first, int count) const;
-  bool will_have(int first, int count) const;
-  void give(int first, int count, std::span<std::byte> out);
 
   const std::vector<SliceRun> runs_;
   const std::size_t most_bytes_, slice_bytes_;
-  std::mutex source_mutex_;
-  std::mutex mutex_;  ///< guards what follows
+  std::atomic<bool> stop_ = false;
+  std::mutex mutex_;  ///< guards what follows; the source is the thread's until that has ended
   std::condition_variable changed_;
-  std::map<int, Slice> slices_;
-  std::size_t next_ = 0;  ///< into runs_
-  bool no_room_ = false;  ///< the thread waits for some
-  bool stop_ = false;
+  std::map<int, std::vector<std::byte>> slices_;
+  bool ended_ = false;
   std::exception_ptr failure_;
   std::thread thread_;  ///< last: it uses all of the above
 };

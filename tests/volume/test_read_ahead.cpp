@@ -1,4 +1,5 @@
 // Reading the next volume of a series while another is drawn.
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <thread>
@@ -82,14 +83,12 @@ TEST_CASE("reading ahead begins before anything is asked for", "[threads]") {
   CHECK(watch.reads == depth);
 }
 
-TEST_CASE("reading ahead keeps within its memory, and reads on when slices were taken", "[threads]") {
+TEST_CASE("reading ahead keeps within its memory, and the rest is read when it is asked for", "[threads]") {
   Watch watch;
   ReadAheadSource source(std::make_unique<CountingSource>(watch), one_by_one(), 4 * slice_bytes);
-  std::this_thread::sleep_for(20ms);
-  CHECK(watch.reads <= 4);
   for (int z = 0; z < depth; ++z) {
     check_read(source, z, 1);
-    CHECK(watch.reads <= z + 1 + 4);
+    CHECK(watch.reads <= std::max(z + 1, 4));
   }
   CHECK(watch.reads == depth);
   CHECK(watch.overlaps == 0);
