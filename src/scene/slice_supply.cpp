@@ -104,54 +104,34 @@ class DecodingSupply final : public SendingSupply {
   }
 
  private:
-  struct Run {
-    int count = 0;
-    Block voxels;
-  };
-
   /// Forgets slices before `needed` and decodes this process's span of the next group.
   void decode_group(int needed) {
-    forget_before(needed);
+    decoded_.erase(decoded_.begin(), decoded_.lower_bound(needed));
     const std::int64_t begin = end_, first = begin + std::int64_t(collectives_.process()) * span_;
     end_ = slices_of(std::min<std::int64_t>(slices_, begin + group_));
     const auto last = std::min<std::int64_t>(end_, first + span_);
     if (source_ == nullptr || first >= last) return;
-    Run run{int(last - first), Block(std::size_t(last - first) * slice_bytes_)};
     for (std::int64_t z = first; z < last; z += depth_) {
       const auto count = std::min<std::int64_t>(depth_, last - z);
-      source_->read_slices(
-          int(z), int(count),
-          std::span(run.voxels)
-              .subspan(std::size_t(z - first) * slice_bytes_, std::size_t(count) * slice_bytes_));
+      Block layer(std::size_t(count) * slice_bytes_);
+      source_->read_slices(int(z), int(count), layer);
+      const auto* slice = layer.data();
+      for (int k = 0; k < count; ++k, slice += slice_bytes_)
+        decoded_.emplace(int(z) + k, Block(slice, slice + slice_bytes_));
       told_(double(begin) + double(end_ - begin) * double(z + count - first) / double(last - first));
     }
-    runs_.emplace(int(first), std::move(run));
   }
 
   const std::byte* held(int z) override {
-    const auto behind = runs_.upper_bound(z);
-    if (behind == runs_.begin()) return nullptr;
-    const auto& [first, run] = *std::prev(behind);
-    return z - first < run.count ? run.voxels.data() + std::size_t(z - first) * slice_bytes_ : nullptr;
-  }
-
-  void forget_before(int z) {
-    std::map<int, Run> kept;
-    for (const auto& [first, run] : runs_) {
-      const int from = std::max(first, z), count = first + run.count - from;
-      if (count <= 0) continue;
-      const auto* begin = run.voxels.data() + std::size_t(from - first) * slice_bytes_;
-      // A copy, because a vector that is cut keeps its memory.
-      kept.emplace(from, Run{count, Block(begin, begin + std::size_t(count) * slice_bytes_)});
-    }
-    runs_ = std::move(kept);
+    const auto found = decoded_.find(z);
+    return found == decoded_.end() ? nullptr : found->second.data();
   }
 
   VolumeSource* source_;  ///< null on a process that does not read
   int depth_, span_, group_;
   int end_ = 0;  ///< slices before it have been decoded by their readers
   std::function<void(double)> told_;
-  std::map<int, Run> runs_;  ///< by their first slice
+  std::map<int, Block> decoded_;  ///< slices that may still be needed
 };
 
 class StoredSupply final : public SendingSupply {

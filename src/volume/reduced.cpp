@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <deque>
 #include <limits>
+#include <map>
 #include <type_traits>
 #include <vector>
 
@@ -68,19 +68,18 @@ class HalvedSource final : public ForwardingSource {
   }
 
  private:
-  /// The full volume's slice nearest to z. Forgets slices before z − 4.
+  /// The full volume's slice nearest to z.
   const std::byte* slice(int z) {
     const int nearest = std::clamp(z, 0, source_.grid().dims.z - 1);
-    for (const Slice& kept : kept_)
-      if (kept.z == nearest) return kept.values.data();
-    while (!kept_.empty() && (kept_.size() >= taps || kept_.front().z > nearest)) kept_.pop_front();
-    kept_.push_back({nearest, std::vector<std::byte>(source_.grid().slice_bytes(Axis::z))});
-    source_.read_slices(nearest, 1, kept_.back().values);
-    return kept_.back().values.data();
+    const auto [kept, is_new] = kept_.try_emplace(nearest, source_.grid().slice_bytes(Axis::z));
+    if (is_new) source_.read_slices(nearest, 1, kept->second);
+    return kept->second.data();
   }
 
   template <class T>
   void filter(int z, std::span<std::byte> out) {
+    // The next slice shares some of its taps with this one.
+    std::erase_if(kept_, [z](const auto& kept) { return kept.first < 2 * z - 1 || kept.first > 2 * z + 2; });
     std::array<const std::byte*, taps> slices;
     for (int k = 0; k < taps; ++k) slices[std::size_t(k)] = slice(2 * z - 1 + k);
     const glm::ivec3 dims = source_.grid().dims;
@@ -143,11 +142,7 @@ class HalvedSource final : public ForwardingSource {
       return static_cast<T>(std::llround(value));
   }
 
-  struct Slice {
-    int z;
-    std::vector<std::byte> values;
-  };
-  std::deque<Slice> kept_;  ///< ascending
+  std::map<int, std::vector<std::byte>> kept_;  ///< slices of the full volume
 };
 
 }  // namespace
