@@ -142,8 +142,6 @@ const char* hint_for(int reason) {
   return "choose a folder that you may write to, on a disk that works";
 }
 
-std::string reason_text(int reason) { return std::generic_category().message(reason); }
-
 /// Why the name cannot be a file's, as an errno value; 0: it can.
 int unusable(const fs::path& path) {
   std::error_code error;
@@ -229,8 +227,9 @@ void OutputFile::commit() {
 }
 
 void OutputFile::fail(int reason) const {
-  throw RunError(fmt::format("{} cannot be written: {}", path_.string(), reason_text(reason)),
-                 hint_for(reason));
+  throw RunError(
+      fmt::format("{} cannot be written: {}", path_.string(), std::generic_category().message(reason)),
+      hint_for(reason));
 }
 
 void write_text(const fs::path& path, const std::string& text) {

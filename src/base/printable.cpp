@@ -9,27 +9,21 @@ namespace {
 
 namespace utf = boost::locale::utf;
 
-struct Character {
-  std::size_t bytes;
-  bool shown;  ///< as it is
-};
-
-/// The first character of `text`, which is not empty. A byte that begins no character stands for itself.
-Character first_character(std::string_view text) {
+/// Moves the first character of `text`, which is not empty, behind what is shown. A byte that begins no
+/// character stands for itself.
+void show_next(std::string_view& text, std::string& shown, bool lines) {
   const char* end = text.data();
   const auto code = utf::utf_traits<char>::decode(end, text.data() + text.size());
-  if (code == utf::illegal || code == utf::incomplete) return {1, false};
-  const bool control = code < 0x20 || (code >= 0x7f && code < 0xa0),
+  const bool valid = code != utf::illegal && code != utf::incomplete,
+             control = code < 0x20 || (code >= 0x7f && code < 0xa0),
              turns_text = (code >= 0x202a && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069) ||
                           code == 0x2028 || code == 0x2029;
-  return {std::size_t(end - text.data()), !control && !turns_text};
-}
-
-void append(std::string& shown, std::string_view bytes, bool as_it_is) {
-  if (as_it_is)
+  const std::string_view bytes = text.substr(0, valid ? std::size_t(end - text.data()) : 1);
+  if ((valid && !control && !turns_text) || (lines && code == '\n'))
     shown.append(bytes);
   else
     for (const char c : bytes) shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+  text.remove_prefix(bytes.size());
 }
 
 }  // namespace
@@ -37,21 +31,13 @@ void append(std::string& shown, std::string_view bytes, bool as_it_is) {
 std::string printable(std::string_view text) {
   std::string shown;
   shown.reserve(text.size());
-  while (!text.empty()) {
-    const Character c = first_character(text);
-    append(shown, text.substr(0, c.bytes), c.shown || text.front() == '\n');
-    text.remove_prefix(c.bytes);
-  }
+  while (!text.empty()) show_next(text, shown, true);
   return shown;
 }
 
 std::string excerpt(std::string_view text, std::size_t most) {
   std::string shown;
-  for (std::size_t count = 0; count < most && !text.empty(); ++count) {
-    const Character c = first_character(text);
-    append(shown, text.substr(0, c.bytes), c.shown);
-    text.remove_prefix(c.bytes);
-  }
+  for (std::size_t count = 0; count < most && !text.empty(); ++count) show_next(text, shown, false);
   return text.empty() ? shown : shown + "...";
 }
 

@@ -24,6 +24,18 @@
 #endif
 
 namespace ringsplat {
+namespace {
+
+/// The folder of this process's control group (version 2), or that of all groups.
+std::filesystem::path control_group() {
+  const std::filesystem::path all = "/sys/fs/cgroup";
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);)
+    if (line.starts_with("0::/")) return all / line.substr(4);
+  return all;
+}
+
+}  // namespace
 
 std::uint64_t peak_memory_bytes() {
   rusage usage{};
@@ -38,13 +50,8 @@ std::string host_name() {
 
 double machine_memory_bytes() {
   double bytes = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
-  std::ifstream groups("/proc/self/cgroup");
-  for (std::string line; std::getline(groups, line);) {
-    if (!line.starts_with("0::/")) continue;
-    auto group = std::filesystem::path("/sys/fs/cgroup") / line.substr(4);
-    for (; group != "/sys/fs"; group = group.parent_path())
-      if (double most = 0; std::ifstream(group / "memory.max") >> most) bytes = std::min(bytes, most);
-  }
+  for (auto group = control_group(); group != "/sys/fs"; group = group.parent_path())
+    if (double most = 0; std::ifstream(group / "memory.max") >> most) bytes = std::min(bytes, most);
   return bytes;
 }
 
@@ -80,13 +87,8 @@ std::vector<int> allowed_threads() {
 
 /// The number of cores whose time this process's control group may use; infinite without a limit.
 double cores_of_control_group() {
-  std::string group;
-  std::ifstream groups("/proc/self/cgroup");
-  while (std::getline(groups, group) && !group.starts_with("0::")) continue;
   double quota = 0, period = 0;
-  if (group.starts_with("0::") &&
-      std::ifstream("/sys/fs/cgroup" + group.substr(3) + "/cpu.max") >> quota >> period && period > 0)
-    return quota / period;
+  if (std::ifstream(control_group() / "cpu.max") >> quota >> period && period > 0) return quota / period;
   return std::numeric_limits<double>::infinity();
 }
 
