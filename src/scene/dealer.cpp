@@ -121,10 +121,9 @@ class Dealer {
     for (std::size_t at = 0; at < block.size();) {
       const int z = next_value<int>(block, at);
       const Axis axis = next_value<Axis>(block, at);
-      const int gp = next_value<int>(block, at);
+      SliceStore& store = stores_.at(next_value<int>(block, at));
       const auto size = next_value<std::uint64_t>(block, at);
-      unpack_columns(stores_.at(gp), axis, gp, sharing_.dealing, z, deal_.options.with_normals,
-                     next_bytes(block, at, size));
+      store.unpack_columns(axis, z, next_bytes(block, at, size));
     }
   }
 

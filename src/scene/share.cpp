@@ -6,7 +6,6 @@
 #include "net/blocks.hpp"
 #include "scene/scene.hpp"
 #include "volume/cell_ranges.hpp"
-#include "volume/slice_ranges.hpp"
 
 namespace ringsplat {
 namespace {

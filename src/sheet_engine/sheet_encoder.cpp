@@ -17,7 +17,6 @@
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 #include "volume/cell_ranges.hpp"
-#include "volume/slice_ranges.hpp"
 
 namespace ringsplat {
 namespace {

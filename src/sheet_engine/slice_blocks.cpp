@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "volume/cell_ranges.hpp"
-#include "volume/slice_ranges.hpp"
 
 namespace ringsplat {
 namespace {

@@ -14,7 +14,7 @@
 #include "ringsplat/base/error.hpp"
 #include "splat_engine/row_band.hpp"
 #include "splat_engine/splat_engine.hpp"
-#include "volume/slice_ranges.hpp"
+#include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
 namespace {

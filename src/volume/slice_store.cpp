@@ -97,6 +97,19 @@ std::span<std::uint16_t> SliceStore::normals(Axis axis, int index) {
   return std::span(*sets_[std::size_t(axis)].normals).subspan(local(index) * voxels, voxels);
 }
 
+void SliceStore::unpack_columns(Axis axis, int z, std::span<const std::byte> in) {
+  const auto line = std::size_t(grid_.slice_width(axis)), value_bytes = line * size_of(grid_.type),
+             normal_bytes = with_normals_ ? line * sizeof(std::uint16_t) : 0;
+  const std::byte* from = in.data();
+  for (int k = 0; k < dealing_.owned_count(grid_.slices(axis), gp_); ++k) {
+    const int s = dealing_.slice_at(gp_, k);
+    std::memcpy(values(axis, s).data() + std::size_t(z) * value_bytes, from, value_bytes);
+    from += value_bytes;
+    if (with_normals_) std::memcpy(normals(axis, s).data() + std::size_t(z) * line, from, normal_bytes);
+    from += normal_bytes;
+  }
+}
+
 bool SliceStore::knows_cell_ranges(Axis axis) const {
   return dealing_.owned_count(grid_.slices(axis), gp_) == 0 || !cell_ranges_[std::size_t(axis)].empty();
 }
@@ -143,22 +156,6 @@ void pack_columns(const Grid& grid, Axis axis, int gp, SliceDealing dealing,
   if (!normals.empty())
     gather(std::as_bytes(normals).data(), sizeof(std::uint16_t), grid, axis, gp, dealing,
            out.data() + at + value_bytes, stride);
-}
-
-void unpack_columns(SliceStore& store, Axis axis, int gp, SliceDealing dealing, int z, bool with_normals,
-                    std::span<const std::byte> in) {
-  const Grid& grid = store.grid();
-  const auto line = std::size_t(grid.slice_width(axis));
-  const auto value_bytes = line * size_of(grid.type);
-  const auto normal_bytes = with_normals ? line * sizeof(std::uint16_t) : 0;
-  const std::byte* from = in.data();
-  for (int k = 0; k < dealing.owned_count(grid.slices(axis), gp); ++k) {
-    const int s = dealing.slice_at(gp, k);
-    std::memcpy(store.values(axis, s).data() + std::size_t(z) * value_bytes, from, value_bytes);
-    from += value_bytes;
-    if (with_normals) std::memcpy(store.normals(axis, s).data() + std::size_t(z) * line, from, normal_bytes);
-    from += normal_bytes;
-  }
 }
 
 }  // namespace ringsplat

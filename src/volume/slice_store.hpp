@@ -57,6 +57,9 @@ class SliceStore {
   std::span<std::byte> values(Axis axis, int index);
   std::span<std::uint16_t> normals(Axis axis, int index);  ///< empty when unshaded
 
+  /// Takes what pack_columns() made for this GP as row z of its slices of the axis.
+  void unpack_columns(Axis axis, int z, std::span<const std::byte> in);
+
   /// The part of the volume within which normals were made: their differences are one-sided at its faces.
   const VoxelBox& normals_within() const { return normals_within_; }
   void know_normals_within(const VoxelBox& box) { normals_within_ = box; }
@@ -107,17 +110,11 @@ class SliceStore {
   std::array<std::map<int, std::shared_ptr<const CellRanges>>, 3> cell_ranges_;  ///< by axis and slice
 };
 
-/// The exchange by which GPs that read z slices get their x and y slices: takes the lines of one GP's slices
-/// out of a z slice, and puts them into that GP's store.
-///
-/// `pack_columns` appends, for each slice of `axis` (x or y) that GP `gp` owns, the one line of the z slice
-/// that lies in it: its values, then its normals when `normals` is not empty. `values` and `normals` are the
-/// whole z slice, grid.slice_voxels(Axis::z) of each. `unpack_columns` puts such bytes into that GP's store
-/// as row z of its slices.
+/// The exchange by which GPs that read z slices get their x and y slices: appends, for each slice of `axis`
+/// (x or y) that GP `gp` owns, the one line of the z slice that lies in it: its values, then its normals when
+/// `normals` is not empty. `values` and `normals` are the whole z slice, grid.slice_voxels(Axis::z) of each.
 void pack_columns(const Grid& grid, Axis axis, int gp, SliceDealing dealing,
                   std::span<const std::byte> values, std::span<const std::uint16_t> normals,
                   std::vector<std::byte>& out);
-void unpack_columns(SliceStore& store, Axis axis, int gp, SliceDealing dealing, int z, bool with_normals,
-                    std::span<const std::byte> in);
 
 }  // namespace ringsplat

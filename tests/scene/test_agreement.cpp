@@ -7,7 +7,7 @@
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"
-#include "volume/slice_ranges.hpp"
+#include "volume/cell_ranges.hpp"
 
 using namespace ringsplat;
 using files::Folder;

@@ -7,7 +7,7 @@
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
 #include "support/views.hpp"
-#include "volume/slice_ranges.hpp"
+#include "volume/cell_ranges.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

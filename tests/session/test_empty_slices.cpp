@@ -6,7 +6,7 @@
 
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
-#include "volume/slice_ranges.hpp"
+#include "volume/cell_ranges.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

@@ -1,5 +1,4 @@
 #include "volume/cell_ranges.hpp"
-#include "volume/slice_ranges.hpp"
 
 #include <limits>
 #include <random>

@@ -48,7 +48,7 @@ int wrong_voxels(const Grid& grid, SliceDealing dealing, bool with_normals) {
       for (const Axis axis : {Axis::x, Axis::y}) {
         std::vector<std::byte> bytes;
         pack_columns(grid, axis, g, dealing, slice.values, slice.normals, bytes);
-        unpack_columns(stores[std::size_t(g)], axis, g, dealing, z, with_normals, bytes);
+        stores[std::size_t(g)].unpack_columns(axis, z, bytes);
       }
   }
   for (const Axis axis : {Axis::x, Axis::y})
