@@ -20,9 +20,6 @@ MpiSession::MpiSession(int&, char**&) {
 
 MpiSession::~MpiSession() = default;
 
-int MpiSession::rank() const { return rank_; }
-int MpiSession::ranks() const { return ranks_; }
-
 std::unique_ptr<Transport> MpiSession::make_transport() { return nullptr; }
 std::unique_ptr<Collectives> MpiSession::make_collectives() { return std::make_unique<SoloCollectives>(); }
 std::vector<std::string> MpiSession::introductions(const std::string& mine) const { return {mine}; }

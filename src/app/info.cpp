@@ -46,8 +46,7 @@ ValueStatistics read_values(VolumeSource& source, Progress& progress) {
     }
     progress.end();
   };
-  Merging alone;
-  return describe_values({grid.type, notes.fill}, grid.dims, notes, pass, alone);
+  return describe_values({grid.type, notes.fill}, grid.dims, notes, pass);
 }
 
 std::string human_bytes(std::uint64_t bytes) {

@@ -148,11 +148,6 @@ std::optional<double> end_of_noise(const Data& d) {
 
 }  // namespace
 
-double count_of(const Bins& bins) {
-  return std::accumulate(bins.begin(), bins.end(), 0.0,
-                         [](double sum, const ValueBin& bin) { return sum + double(bin.count); });
-}
-
 double upper_quantile(const Bins& bins, double share) {
   const double wanted = share * count_of(bins);
   double seen = 0;

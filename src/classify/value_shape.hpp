@@ -7,10 +7,6 @@
 /// What stands out in a volume's values: a fill value, outliers, the background, plateaus.
 namespace ringsplat {
 
-using Bins = std::vector<ValueBin>;
-
-/// Voxels of all bins.
-double count_of(const Bins& bins);
 /// The upper bound of the bin in which `share` of the voxels, counted from below, is reached.
 double upper_quantile(const Bins& bins, double share);
 /// The share of voxels in bins whose middle is in [low, high).

@@ -24,9 +24,7 @@ constexpr std::uint64_t least_hashed = 4 << 10;
 std::string hash_of(const InputFile& file, std::uint64_t offset, std::uint64_t bytes) {
   std::vector<std::byte> part(bytes);
   file.read(offset, part);
-  Fingerprint hash;
-  hash.add(part);
-  return fmt::format("{:016x}", hash.value());
+  return fmt::format("{:016x}", fingerprint(part));
 }
 
 /// `of`: what the fields' names end with.

@@ -294,6 +294,11 @@ class MpiCollectives final : public Collectives {
     return block;
   }
 
+  void sum(std::span<std::uint64_t> values) override {
+    call("MPI_Allreduce", MPI_Allreduce, MPI_Iallreduce, MPI_IN_PLACE, values.data(),
+         static_cast<int>(values.size()), MPI_UINT64_T, MPI_SUM);
+  }
+
   std::vector<int> absent(double seconds) override {
     if (process() != 0) {
       checked(MPI_Send(nullptr, 0, MPI_BYTE, 0, presence_tag, comm_.get()), "MPI_Send");

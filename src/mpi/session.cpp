@@ -36,15 +36,10 @@ MpiSession::MpiSession(int& argc, char**& argv) {
     throw RunError("this MPI allows no thread beside the one that calls it, but pictures are written by one",
                    "use an MPI library with MPI_THREAD_FUNNELED");
   }
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
-  MPI_Comm_size(MPI_COMM_WORLD, &ranks_);
   if (simulated()) clock_in_use = [] { return MPI_Wtime(); };
 }
 
 MpiSession::~MpiSession() { MPI_Finalize(); }
-
-int MpiSession::rank() const { return rank_; }
-int MpiSession::ranks() const { return ranks_; }
 
 std::unique_ptr<Transport> MpiSession::make_transport() { return make_mpi_transport(MPI_COMM_WORLD); }
 std::unique_ptr<Collectives> MpiSession::make_collectives() { return make_mpi_collectives(MPI_COMM_WORLD); }
@@ -54,7 +49,9 @@ std::vector<std::string> MpiSession::introductions(const std::string& mine) cons
   constexpr std::size_t size = 128;
   std::array<char, size> text{};
   mine.copy(text.data(), size - 1);
-  std::vector<char> all(size * std::size_t(ranks()));
+  int ranks = 1;
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  std::vector<char> all(size * std::size_t(ranks));
   checked(MPI_Allgather(text.data(), int(size), MPI_CHAR, all.data(), int(size), MPI_CHAR, MPI_COMM_WORLD),
           "MPI_Allgather (introductions)");
   std::vector<std::string> said;

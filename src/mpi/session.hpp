@@ -21,8 +21,6 @@ class MpiSession {
   MpiSession(const MpiSession&) = delete;
   MpiSession& operator=(const MpiSession&) = delete;
 
-  int rank() const;
-  int ranks() const;
   /// All ranks call both, in the same order.
   std::unique_ptr<Transport> make_transport();
   std::unique_ptr<Collectives> make_collectives();
@@ -37,9 +35,6 @@ class MpiSession {
   static bool launched();
   /// MPI's name and version, as "Open MPI v4.1.4"; empty in a build without it.
   static std::string library();
-
- private:
-  int rank_ = 0, ranks_ = 1;
 };
 
 std::size_t communicator_handle_bytes();

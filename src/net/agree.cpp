@@ -4,7 +4,6 @@
 
 #include <algorithm>
 
-#include "base/archive.hpp"
 #include "base/fingerprint.hpp"
 #include "net/blocks.hpp"
 
@@ -16,12 +15,6 @@ void fields(Fact& fact, Archive& archive) {
 }
 
 namespace {
-
-Block hash_of(const Block& facts) {
-  Fingerprint hash;
-  hash.add(facts);
-  return block_of_value(hash.value());
-}
 
 /// The first field that differs, among process 0's fields first, then among the other's.
 std::string difference(const Facts& on_0, const Facts& there) {
@@ -41,15 +34,15 @@ std::string difference(const Facts& on_0, const Facts& there) {
 void require_same(Collectives& collectives, const Facts& mine, const std::string& what,
                   const std::string& hint) {
   const Block facts = to_bytes(mine);
-  const auto hashes = collectives.all_gather(hash_of(facts));
+  const auto hashes = collectives.all_gather(to_bytes(fingerprint(facts)));
   const auto differs = [&](const Block& hash) { return hash != hashes.front(); };
   const auto first = std::find_if(hashes.begin(), hashes.end(), differs);
   if (first == hashes.end()) return;
   const int process = int(first - hashes.begin());
   const auto more = std::count_if(first + 1, hashes.end(), differs);
   const auto said_by = [&](int root) {
-    const Block said = collectives.broadcast(collectives.process() == root ? facts : Block{}, root);
-    return from_bytes<Facts>(said).value_or(Facts{});
+    return value_of<Facts>(collectives.broadcast(collectives.process() == root ? facts : Block{}, root),
+                           "its facts");
   };
   const Facts on_0 = said_by(0);
   const std::string others = more == 0   ? ""
@@ -72,7 +65,8 @@ void throw_first(const std::vector<std::string>& errors) {
 
 void agree(Collectives& collectives, const std::string& my_error) {
   std::vector<std::string> errors;
-  for (const Block& block : collectives.all_gather(block_of_text(my_error))) errors.push_back(text_of(block));
+  for (const Block& block : collectives.all_gather(to_bytes(my_error)))
+    errors.push_back(value_of<std::string>(block, "an error"));
   throw_first(errors);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -26,6 +28,8 @@ class Collectives {
   virtual std::vector<Block> all_to_all(std::vector<Block> out) = 0;
   virtual std::vector<Block> all_gather(const Block& mine) = 0;
   virtual Block broadcast(Block block, int root) = 0;
+  /// Adds up all processes' values, each by itself.
+  virtual void sum(std::span<std::uint64_t> values) = 0;
   /// On process 0: waits up to `seconds` and returns the processes that have not made the call by then,
   /// ascending. Elsewhere: returns nothing, at once.
   virtual std::vector<int> absent(double seconds) = 0;
@@ -67,6 +71,7 @@ class SoloCollectives final : public Collectives {
   std::vector<Block> all_to_all(std::vector<Block> out) override { return out; }
   std::vector<Block> all_gather(const Block& mine) override { return {mine}; }
   Block broadcast(Block block, int) override { return block; }
+  void sum(std::span<std::uint64_t>) override {}
   std::vector<int> absent(double) override { return {}; }
 };
 

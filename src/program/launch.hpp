@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "base/archive.hpp"
 #include "mpi/session.hpp"
+#include "net/blocks.hpp"
 #include "options/options.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render.hpp"
@@ -39,8 +39,8 @@ class Launch {
   /// This process alone, whatever started it.
   Launch();
 
-  int rank() const { return session_ ? session_->rank() : 0; }
-  int ranks() const { return session_ ? session_->ranks() : 1; }
+  int rank() const { return collectives_->process(); }
+  int ranks() const { return collectives_->processes(); }
   bool over_mpi() const { return session_.has_value() && !in_one_process_; }
   Collectives& collectives() { return *collectives_; }
   /// Null in loopback. The first call is collective.
@@ -59,10 +59,7 @@ class Launch {
   /// What rank 0 passes, on all ranks.
   template <class T>
   T of_rank_0(const T& value) {
-    auto sent = from_bytes<T>(collectives_->broadcast(to_bytes(value), 0));
-    if (!sent)
-      throw RunError("rank 0 sent something else than expected", "all ranks must run the same build");
-    return std::move(*sent);
+    return value_of<T>(collectives_->broadcast(to_bytes(value), 0), "what rank 0 decided");
   }
   /// Runs `work` on rank 0 while the others wait; all get its outcome, the text on rank 0 only.
   Outcome run_on_rank_0(const std::function<ExitCode()>& work);

@@ -90,6 +90,6 @@ struct PlacedBlock {
 
 /// Throws InputError that names a hole, or two blocks that overlap and where, unless the blocks cover every
 /// voxel of the grid exactly once. Each block lies within the grid.
-void check_cover(const Grid& grid, std::span<const PlacedBlock> blocks);
+void check_cover(const Grid& grid, const std::vector<PlacedBlock>& blocks);
 
 }  // namespace ringsplat

@@ -139,8 +139,8 @@ OpenedVolume open_everywhere(Collectives& collectives,
 
   Block block;
   if (volume.source)
-    block = block_of_value(Known{volume.source->grid(), volume.source->concurrent(),
-                                 volume.source->layer_depth(), volume.notes.fill});
+    block = to_bytes(Known{volume.source->grid(), volume.source->concurrent(), volume.source->layer_depth(),
+                           volume.notes.fill});
   block = collectives.broadcast(std::move(block), 0);
   const auto known = value_of<Known>(block, "a volume's grid");
   volume.grid = known.grid;

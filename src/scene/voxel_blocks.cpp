@@ -19,7 +19,7 @@ std::string text_of(const VoxelBox& box) {
 
 namespace {
 
-using Blocks = std::vector<const PlacedBlock*>;
+using Blocks = std::vector<PlacedBlock>;
 
 std::string text_of(const PlacedBlock& block) {
   return fmt::format("block {} of rank {} ({})", block.number, block.process, text_of(block.extent));
@@ -45,8 +45,8 @@ Cut cut_of(const VoxelBox& box, const Blocks& blocks) {
   std::size_t most = 0;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<int> faces;
-    for (const PlacedBlock* block : blocks)
-      for (const int face : {block->extent.first[axis], block->extent.end[axis]})
+    for (const PlacedBlock& block : blocks)
+      for (const int face : {block.extent.first[axis], block.extent.end[axis]})
         if (box.first[axis] < face && face < box.end[axis]) faces.push_back(face);
     if (faces.size() <= most) continue;
     most = faces.size();
@@ -62,13 +62,12 @@ void check_part(const VoxelBox& box, const Blocks& blocks) {
   if (blocks.empty())
     throw InputError(fmt::format("no block covers voxels {}", text_of(box)),
                      "all blocks together must cover the grid, ghosts left out");
-  const auto whole = [&](const PlacedBlock* block) { return covers(block->extent, box); };
+  const auto whole = [&](const PlacedBlock& block) { return covers(block.extent, box); };
   const auto first = std::find_if(blocks.begin(), blocks.end(), whole);
-  if (first != blocks.end() && blocks.size() == 1) return;
   if (first != blocks.end()) {
-    const PlacedBlock& other =
-        **std::find_if(blocks.begin(), blocks.end(), [&](auto* b) { return b != *first; });
-    throw InputError(fmt::format("{} and {} overlap", text_of(**first), text_of(other)),
+    if (blocks.size() == 1) return;
+    const PlacedBlock& other = blocks[first == blocks.begin() ? 1 : 0];
+    throw InputError(fmt::format("{} and {} overlap", text_of(*first), text_of(other)),
                      "every voxel belongs to one block; leave out ghosts");
   }
   const Cut cut = cut_of(box, blocks);
@@ -77,7 +76,7 @@ void check_part(const VoxelBox& box, const Blocks& blocks) {
   for (const VoxelBox& part : {low, high}) {
     Blocks meeting;
     std::copy_if(blocks.begin(), blocks.end(), std::back_inserter(meeting),
-                 [&](const PlacedBlock* block) { return meet(block->extent, part); });
+                 [&](const PlacedBlock& block) { return meet(block.extent, part); });
     check_part(part, meeting);
   }
 }
@@ -86,8 +85,9 @@ void check_part(const VoxelBox& box, const Blocks& blocks) {
 struct Rows {
   int block, z, y, y_end;
 };
+using Parcel = std::vector<Rows>;
 
-/// Begins a message's rows of voxels.
+/// Begins rows of voxels in a parcel.
 struct RowsHeader {
   std::int32_t z, y, y_end, x, x_end;
 };
@@ -111,10 +111,10 @@ std::vector<PlacedBlock> gather_extents(const std::vector<VoxelBlock>& mine, Col
   for (const VoxelBlock& block : mine) extents.push_back(block.extent);
   std::vector<PlacedBlock> placed;
   int process = 0;
-  for (const Block& one : collectives.all_gather(block_of(std::as_bytes(std::span(extents))))) {
+  for (const Block& one : collectives.all_gather(to_bytes(extents))) {
     int number = 0;
-    for (std::size_t at = 0; at < one.size(); ++number)
-      placed.push_back({next_value<VoxelBox>(one, at), process, number});
+    for (const VoxelBox& extent : value_of<std::vector<VoxelBox>>(one, "its blocks' extents"))
+      placed.push_back({extent, process, number++});
     ++process;
   }
   return placed;
@@ -142,13 +142,14 @@ class BlockDealer {
     place_own();
     for (int first = 1; first < processes; first += at_once) {
       const int end = std::min(processes, first + at_once);
-      std::vector<std::vector<Rows>> left(std::size_t(end - first));
-      for (int d = first; d < end; ++d) left[std::size_t(d - first)] = rows_for(destination(d));
-      const auto rounds = at_once > 1 ? 1 : largest(rounds_of(left.front()), "the rounds it sends in");
+      std::vector<std::vector<Parcel>> parcels;
+      for (int d = first; d < end; ++d) parcels.push_back(parcels_for(destination(d)));
+      const auto rounds = at_once > 1 ? 1 : largest(parcels.front().size(), "the rounds it sends in");
       for (std::uint64_t round = 0; round < rounds; ++round) {
         std::vector<Block> out(static_cast<std::size_t>(processes));
         for (int d = first; d < end; ++d)
-          out[std::size_t(destination(d))] = packed(left[std::size_t(d - first)]);
+          if (const auto& all = parcels[std::size_t(d - first)]; round < all.size())
+            out[std::size_t(destination(d))] = packed(all[round]);
         for (const Block& in : collectives_.all_to_all(std::move(out))) place(in);
       }
     }
@@ -164,18 +165,26 @@ class BlockDealer {
     return sizeof(RowsHeader) + std::size_t(rows.y_end - rows.y) * std::size_t(width) * scalar_;
   }
 
-  /// What this process has for another, in the last first order, cut into quarters of a round, which fill it
-  /// well.
-  std::vector<Rows> rows_for(int process) const {
-    std::vector<Rows> all;
-    for (int b = int(blocks_.size()) - 1; b >= 0; --b) {
+  /// What this process has for another, a parcel a round: cut into quarters of it, which fill it well.
+  std::vector<Parcel> parcels_for(int process) const {
+    std::vector<Parcel> all;
+    std::size_t bytes = 0;  // of the last
+    const auto add = [&](const Rows& rows) {
+      if (all.empty() || bytes + bytes_of(rows) > round_bytes_) {
+        all.emplace_back();
+        bytes = 0;
+      }
+      all.back().push_back(rows);
+      bytes += bytes_of(rows);
+    };
+    for (int b = 0; b < int(blocks_.size()); ++b) {
       const VoxelBox& box = blocks_[std::size_t(b)].extent;
       const auto row = std::size_t(box.dims().x) * scalar_;
       const auto fitting = (round_bytes_ / 4 - std::min(round_bytes_ / 4, sizeof(RowsHeader))) / row;
       const int rows = int(std::clamp<std::size_t>(fitting, 1, std::size_t(box.dims().y)));
-      for (int z = box.end.z - 1; z >= box.first.z; --z)
+      for (int z = box.first.z; z < box.end.z; ++z)
         for (int y = box.first.y; sharing_.process_of_slice(z) == process && y < box.end.y; y += rows)
-          all.push_back({b, z, y, std::min(y + rows, box.end.y)});
+          add({b, z, y, std::min(y + rows, box.end.y)});
     }
     return all;
   }
@@ -194,39 +203,17 @@ class BlockDealer {
 
   std::uint64_t largest(std::uint64_t mine, const char* what) {
     std::uint64_t most = 0;
-    for (const Block& one : collectives_.all_gather(block_of_value(mine)))
+    for (const Block& one : collectives_.all_gather(to_bytes(mine)))
       most = std::max(most, value_of<std::uint64_t>(one, what));
     return most;
   }
 
-  /// What a round takes from the end of `left`.
-  struct Round {
-    std::size_t bytes = 0, count = 0;
-  };
-  Round next_round(std::span<const Rows> left) const {
-    Round round;
-    for (; round.count < left.size(); ++round.count) {
-      const std::size_t bytes = bytes_of(left[left.size() - 1 - round.count]);
-      if (round.count > 0 && round.bytes + bytes > round_bytes_) break;
-      round.bytes += bytes;
-    }
-    return round;
-  }
-
-  std::uint64_t rounds_of(std::span<const Rows> left) const {
-    std::uint64_t rounds = 0;
-    for (; !left.empty(); ++rounds) left = left.first(left.size() - next_round(left).count);
-    return rounds;
-  }
-
-  Block packed(std::vector<Rows>& left) const {
-    auto [bytes, count] = next_round(left);
+  Block packed(const Parcel& parcel) const {
+    std::size_t bytes = 0;
+    for (const Rows& rows : parcel) bytes += bytes_of(rows);
     Block out(bytes);
     std::byte* to = out.data();
-    for (; count > 0; --count) {
-      to = pack(left.back(), to);
-      left.pop_back();
-    }
+    for (const Rows& rows : parcel) to = pack(rows, to);
     return out;
   }
 
@@ -247,8 +234,9 @@ class BlockDealer {
   }
 
   void place_own() {
-    for (const Rows& rows : rows_for(collectives_.process()))
-      copy(rows, voxel(rows.z, rows.y, blocks_[std::size_t(rows.block)].extent.first.x), slice_row());
+    for (const Parcel& parcel : parcels_for(collectives_.process()))
+      for (const Rows& rows : parcel)
+        copy(rows, voxel(rows.z, rows.y, blocks_[std::size_t(rows.block)].extent.first.x), slice_row());
   }
 
   std::size_t slice_row() const { return std::size_t(grid_.dims.x) * scalar_; }
@@ -288,10 +276,8 @@ void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collect
   });
 }
 
-void check_cover(const Grid& grid, std::span<const PlacedBlock> blocks) {
-  Blocks all;
-  for (const PlacedBlock& block : blocks) all.push_back(&block);
-  check_part(whole_box(grid), all);
+void check_cover(const Grid& grid, const std::vector<PlacedBlock>& blocks) {
+  check_part(whole_box(grid), blocks);
 }
 
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,

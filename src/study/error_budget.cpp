@@ -222,8 +222,7 @@ WholeVolume read_whole(VolumeSource& source) {
       }
     });
   };
-  Merging alone;
-  volume.statistics = describe_values({grid.type, notes.fill}, grid.dims, notes, pass, alone);
+  volume.statistics = describe_values({grid.type, notes.fill}, grid.dims, notes, pass);
   return volume;
 }
 

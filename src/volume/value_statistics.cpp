@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <numeric>
 
 #include "volume/scalars.hpp"
 
@@ -16,8 +17,8 @@ constexpr std::size_t most_found_labels = 256, few_labels = 16;
 
 /// The keys' bins within the range. A key that begins with the largest value has a bin of the smallest width
 /// there is, as a bin does not hold its upper bound.
-std::vector<ValueBin> bins_of_keys(const ValueTally& tally) {
-  std::vector<ValueBin> bins;
+Bins bins_of_keys(const ValueTally& tally) {
+  Bins bins;
   const auto type = tally.kind().type;
   const auto& range = tally.range;
   for (std::size_t key = 0; key < tally.counts.size(); ++key) {
@@ -33,7 +34,7 @@ std::vector<ValueBin> bins_of_keys(const ValueTally& tally) {
 }
 
 /// Voxels below each of `edges`, ascending, as the bins tell it exactly; `edges` hold all their bounds.
-std::vector<double> counted_below(const std::vector<ValueBin>& bins, const std::vector<double>& edges) {
+std::vector<double> counted_below(const Bins& bins, const std::vector<double>& edges) {
   std::vector<double> below;
   double sum = 0;
   std::size_t k = 0;
@@ -49,19 +50,19 @@ std::vector<double> counted_below(const std::vector<ValueBin>& bins, const std::
 
 /// Both divisions of the values in one: at every edge the count below it is exact in one of them, the one
 /// whose edge it is.
-std::vector<ValueBin> refined(const std::vector<ValueBin>& keys, const std::vector<ValueBin>& equal) {
+Bins refined(const Bins& keys, const Bins& equal) {
   std::vector<double> edges;
   for (const auto* bins : {&keys, &equal})
     for (const ValueBin& bin : *bins) edges.insert(edges.end(), {bin.low, bin.high});
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   const auto by_keys = counted_below(keys, edges), by_equal = counted_below(equal, edges);
-  const auto is_edge = [](const std::vector<ValueBin>& bins, double edge) {
+  const auto is_edge = [](const Bins& bins, double edge) {
     const auto at = std::lower_bound(bins.begin(), bins.end(), edge,
                                      [](const ValueBin& b, double v) { return b.low < v; });
     return (at != bins.end() && at->low == edge) || (at != bins.begin() && (at - 1)->high == edge);
   };
-  std::vector<ValueBin> bins;
+  Bins bins;
   double before = 0;
   for (std::size_t i = 1; i < edges.size(); ++i) {
     const double below = std::max(before, is_edge(keys, edges[i]) ? by_keys[i] : by_equal[i]);
@@ -72,8 +73,8 @@ std::vector<ValueBin> refined(const std::vector<ValueBin>& keys, const std::vect
   return bins;
 }
 
-std::vector<ValueBin> bins_of(const Histogram& h) {
-  std::vector<ValueBin> bins;
+Bins bins_of(const Histogram& h) {
+  Bins bins;
   const double count = double(h.counts.size());
   for (std::size_t k = 0; k < h.counts.size(); ++k)
     if (h.counts[k] > 0)
@@ -82,8 +83,7 @@ std::vector<ValueBin> bins_of(const Histogram& h) {
   return bins;
 }
 
-void count_histogram(ValueStatistics& s, const std::vector<ValueBin>& keys, const Pass& pass,
-                     Merging& merging) {
+void count_histogram(ValueStatistics& s, const Bins& keys, const Pass& pass, Merging& merging) {
   const KeptBins kept = without_outliers(keys);
   s.histogram = Histogram(keys[kept.first].low, std::min(keys[kept.last].high, s.range.high), histogram_bins);
   const bool exact = ValueTally::is_exact(s.kind.type);
@@ -157,7 +157,7 @@ bool few_about_zero(const ValueStatistics& s) {
   return s.labels.size() == 2 || most->low <= 0;
 }
 
-std::vector<double> all_values(const ValueTally& tally, const std::vector<ValueBin>& keys) {
+std::vector<double> all_values(const ValueTally& tally, const Bins& keys) {
   if (!ValueTally::is_exact(tally.kind().type)) return tally.distinct.sorted();
   std::vector<double> values;
   for (const ValueBin& bin : keys) values.push_back(bin.low);
@@ -167,17 +167,16 @@ std::vector<double> all_values(const ValueTally& tally, const std::vector<ValueB
 
 }  // namespace
 
-std::uint64_t ValueStatistics::total() const {
-  std::uint64_t sum = 0;
-  for (const ValueBin& bin : bins) sum += bin.count;
-  return sum;
+double count_of(const Bins& bins) {
+  return std::accumulate(bins.begin(), bins.end(), 0.0,
+                         [](double sum, const ValueBin& bin) { return sum + double(bin.count); });
 }
 
 double ValueStatistics::quantile(double share) const {
   if (bins.empty()) return 0;
   if (share <= 0) return range.low;
   if (share >= 1) return range.high;
-  const double wanted = share * double(total());
+  const double wanted = share * count_of(bins);
   double below = 0;
   for (const ValueBin& bin : bins) {
     const double here = double(bin.count);
@@ -192,7 +191,7 @@ double ValueStatistics::quantile(double share) const {
 }
 
 ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const VolumeNotes& notes,
-                                const Pass& pass, Merging& merging) {
+                                const Pass& pass, Merging&& merging) {
   ValueStatistics s;
   s.kind = kind;
   s.dims = dims;
@@ -225,11 +224,9 @@ ValueStatistics describe_values(const Histogram& histogram) {
   return s;
 }
 
-KeptBins without_outliers(const std::vector<ValueBin>& bins) {
-  std::uint64_t total = 0;
-  for (const ValueBin& bin : bins) total += bin.count;
+KeptBins without_outliers(const Bins& bins) {
   constexpr double far = 50;
-  const auto few = std::max<std::uint64_t>(1, total / 10000);
+  const auto few = std::max<std::uint64_t>(1, std::uint64_t(count_of(bins)) / 10000);
   KeptBins core{0, bins.size() - 1};
   std::uint64_t seen = bins.front().count;
   while (seen <= few && core.first < core.last) seen += bins[++core.first].count;

@@ -50,15 +50,11 @@ class ValueTally {
   explicit ValueTally(const ValueKind& kind);
   void add(std::span<const std::byte> values);
 
-  /// The key of a finite value.
-  static std::size_t key_of(ScalarType type, double value);
   /// The first value of a key and of the next one; equal for 8- and 16-bit types.
   struct Edges {
     double low, high;
   };
   static Edges edges_of(ScalarType type, std::size_t key);
-  /// Keys that the type has.
-  static std::size_t keys_of(ScalarType type);
   /// True when every value of the type has its own key.
   static bool is_exact(ScalarType type) { return size_of(type) <= 2; }
 
@@ -82,6 +78,9 @@ struct ValueBin {
   std::uint64_t count;
   double middle() const { return low + 0.5 * (high - low); }
 };
+using Bins = std::vector<ValueBin>;
+/// Voxels of all bins.
+double count_of(const Bins& bins);
 
 /// Pairs of neighbours along rows, in volumes of few different whole numbers.
 struct NeighbourCounts {
@@ -100,16 +99,15 @@ struct ValueStatistics {
   /// they would flatten it. Those are counted in `below` and `above`.
   Histogram histogram;
   /// Ascending and not empty: the histogram's bins and finer ones where the values are dense.
-  std::vector<ValueBin> bins;
+  Bins bins;
   std::uint64_t fill_voxels = 0;
-  std::vector<double>
-      labels;  ///< all values, ascending, when they are few different whole numbers; else empty
+  /// All values, ascending, when they are few different whole numbers; else empty.
+  std::vector<double> labels;
   std::optional<NeighbourCounts> neighbours;  ///< when `labels` are few enough to be looked at
   std::string modality = {};                  ///< as in VolumeNotes
   World world = World::lattice;
   bool noted_labels = false;  ///< the file says that its values are labels
 
-  std::uint64_t total() const;
   /// The value below which `share` of the voxels lie; exact to a bin.
   double quantile(double share) const;
 };
@@ -130,7 +128,7 @@ class Merging {
 /// their own, and neighbours where there are few different whole numbers. The same on all processes, for any
 /// number of them.
 ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const VolumeNotes& notes,
-                                const Pass& pass, Merging& merging);
+                                const Pass& pass, Merging&& merging = Merging());
 
 /// Of a histogram alone.
 ValueStatistics describe_values(const Histogram& histogram);
@@ -143,7 +141,7 @@ Histogram coarser(const Histogram& histogram, int bins);
 struct KeptBins {
   std::size_t first, last;
 };
-KeptBins without_outliers(const std::vector<ValueBin>& bins);
+KeptBins without_outliers(const Bins& bins);
 
 /// The values as labels: a mask; at most 16 whole numbers of which 0 is the most frequent, or more of them
 /// whose neighbours are any others, in pieces of one value. False for scans whose neighbours are mostly the

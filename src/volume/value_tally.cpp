@@ -115,17 +115,8 @@ std::vector<double> DistinctValues::sorted() const {
   return values;
 }
 
-ValueTally::ValueTally(const ValueKind& kind) : counts(keys_of(kind.type)), kind_(kind) {}
-
-std::size_t ValueTally::keys_of(ScalarType type) { return size_of(type) == 1 ? 256 : most_keys; }
-
-std::size_t ValueTally::key_of(ScalarType type, double value) {
-  return visit_type(type, [&](auto zero) {
-    using T = decltype(zero);
-    using Limits = std::numeric_limits<T>;
-    return key_of_value(static_cast<T>(std::clamp(value, double(Limits::lowest()), double(Limits::max()))));
-  });
-}
+ValueTally::ValueTally(const ValueKind& kind)
+    : counts(size_of(kind.type) == 1 ? 256 : most_keys), kind_(kind) {}
 
 ValueTally::Edges ValueTally::edges_of(ScalarType type, std::size_t key) {
   if (!is_exact(type)) return {float_of_key(key), float_of_key(key + 1)};

@@ -38,8 +38,7 @@ struct Volume {
   }
   ValueStatistics statistics() const {
     const Pass pass = [&](const RowVisitor& visit) { visit(std::as_bytes(std::span(voxels)), side); };
-    Merging alone;
-    return describe_values({type_of_values<T>(), notes.fill}, glm::ivec3(side), notes, pass, alone);
+    return describe_values({type_of_values<T>(), notes.fill}, glm::ivec3(side), notes, pass);
   }
   AutoChoice choice() const {
     auto made = choose_function(statistics());

@@ -77,6 +77,14 @@ TEST_CASE("collectives carry blocks of different sizes, in parts too") {
   }
 }
 
+TEST_CASE("values are added up over all processes, each by itself") {
+  const auto collectives = make_mpi_collectives(MPI_COMM_WORLD);
+  const auto me = std::uint64_t(collectives->process()), ranks = std::uint64_t(collectives->processes());
+  std::vector<std::uint64_t> values{1, me, std::uint64_t{1} << 40};
+  collectives->sum(values);
+  CHECK(values == std::vector<std::uint64_t>{ranks, ranks * (ranks - 1) / 2, ranks << 40});
+}
+
 TEST_CASE("an error on one rank is thrown on all and names that rank") {
   const auto collectives = make_mpi_collectives(MPI_COMM_WORLD);
   CHECK_NOTHROW(agree(*collectives, ""));

@@ -34,6 +34,7 @@ TEST_CASE("records of what a rank did are refused when no rank can have done it"
       }
       std::vector<Block> all_gather(const Block& mine) override { return {mine, mine}; }
       Block broadcast(Block block, int) override { return block; }
+      void sum(std::span<std::uint64_t>) override {}
       std::vector<int> absent(double) override { return {}; }
 
      private:

@@ -32,6 +32,7 @@ class CountedCollectives final : public Collectives {
   }
   std::vector<Block> all_gather(const Block& mine) override { return all_.all_gather(mine); }
   Block broadcast(Block block, int root) override { return all_.broadcast(std::move(block), root); }
+  void sum(std::span<std::uint64_t> values) override { all_.sum(values); }
   std::vector<int> absent(double) override { return {}; }
   std::size_t most() const { return most_; }
 

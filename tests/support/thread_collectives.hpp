@@ -1,5 +1,6 @@
 #pragma once
 // Several processes' collectives in one process: each is a thread.
+#include <algorithm>
 #include <barrier>
 #include <exception>
 #include <functional>
@@ -54,6 +55,16 @@ class ThreadCollectives final : public Collectives {
     if (process_ == root) sent_ += block.size();
     return exchange_.swap(process_,
                           std::vector<Block>(std::size_t(processes()), std::move(block)))[std::size_t(root)];
+  }
+  void sum(std::span<std::uint64_t> values) override {
+    const auto bytes = std::as_bytes(values);
+    const auto all = all_gather(Block(bytes.begin(), bytes.end()));
+    std::fill(values.begin(), values.end(), 0);
+    std::vector<std::uint64_t> its(values.size(), 0);
+    for (const Block& block : all) {
+      std::copy(block.begin(), block.end(), std::as_writable_bytes(std::span(its)).begin());
+      for (std::size_t k = 0; k < its.size(); ++k) values[k] += its[k];
+    }
   }
   std::vector<int> absent(double) override { return {}; }
   std::size_t sent() const { return sent_; }  ///< bytes, one for all receivers
