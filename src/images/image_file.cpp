@@ -24,27 +24,15 @@ namespace {
 /// log4cplus and OpenBLAS start threads then, and wait for ever where one cannot be started.
 constexpr std::size_t loading_takes = std::size_t{512} << 20;
 
-struct OpenedLibrary {
-  void* handle;
-  std::string problem;  ///< why there is none
-};
-
-/// Finds the library as if it had been linked.
-OpenedLibrary open_shared_library(const char* name) {
-  OpenedLibrary opened{dlopen(name, RTLD_LAZY | RTLD_LOCAL), {}};
-  if (opened.handle != nullptr) return opened;
-  opened.problem = dlerror();
+/// Finds the library as if it had been linked; null where dlerror() says why not.
+void* open_shared_library(const char* name) {
   // dlopen searches its caller's folders. With a sanitizer or a profiler in between the caller is not this
   // program.
-  for (const std::filesystem::path& folder : own_search_path()) {
-    const std::filesystem::path file = folder / name;
-    std::error_code ignored;
-    if (!std::filesystem::exists(file, ignored)) continue;
-    opened.handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
-    if (opened.handle != nullptr) return opened;
-    opened.problem = dlerror();
-  }
-  return opened;
+  std::error_code ignored;
+  for (const std::filesystem::path& folder : own_search_path())
+    if (std::filesystem::exists(folder / name, ignored))
+      return dlopen((folder / name).c_str(), RTLD_LAZY | RTLD_LOCAL);
+  return dlopen(name, RTLD_LAZY | RTLD_LOCAL);
 }
 
 }  // namespace
@@ -62,14 +50,14 @@ const ImageLibrary& image_library_of(const char* shared_library) {
   const bool is_set = std::getenv(blas_threads) != nullptr;
   setenv(blas_threads, "1", 0);
   // Never closed: objects that it made may live as long as the process.
-  const OpenedLibrary opened = open_shared_library(shared_library);
+  void* const library = open_shared_library(shared_library);
+  const std::string problem = library == nullptr ? dlerror() : "";
   if (!is_set) unsetenv(blas_threads);
-  const auto says = [&](const char* words) { return opened.problem.find(words) != std::string::npos; };
-  if (opened.handle == nullptr &&
-      (says("failed to map segment") || says("Cannot allocate memory") || says("cannot create")))
+  const auto says = [&](const char* words) { return problem.find(words) != std::string::npos; };
+  if (says("failed to map segment") || says("Cannot allocate memory") || says("cannot create"))
     throw std::bad_alloc();
-  if (opened.handle == nullptr) throw failed(opened.problem);
-  void* const found = dlsym(opened.handle, "ringsplat_image_library");
+  if (library == nullptr) throw failed(problem);
+  void* const found = dlsym(library, "ringsplat_image_library");
   if (found == nullptr) throw failed(dlerror());
   return *reinterpret_cast<decltype(&ringsplat_image_library)>(found)();
 }
