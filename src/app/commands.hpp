@@ -10,6 +10,8 @@ namespace ringsplat::app {
 ExitCode run_render(const RenderOptions& options, Launch& launch);
 /// All ranks call it.
 ExitCode run_serve(const ServeOptions& options, Launch& launch);
+/// All ranks call it.
+ExitCode run_pyramid(const PyramidOptions& options, Launch& launch);
 // The others run on one process.
 ExitCode run_info(const InfoOptions& options);
 ExitCode run_compare(const CompareOptions& options);

@@ -41,6 +41,7 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
     return std::visit(
         Overloaded{[&](const RenderOptions& o) { return run_render(o, launch); },
                    [&](const ServeOptions& o) { return run_serve(o, launch); },
+                   [&](const PyramidOptions& o) { return run_pyramid(o, launch); },
                    [](const Say& o) { return say(o.text); }, [](const InfoOptions& o) { return run_info(o); },
                    [](const CompareOptions& o) { return run_compare(o); },
                    [](const SynthOptions& o) { return run_synth(o); },
@@ -49,7 +50,8 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
         line.command);
   };
   if (!std::holds_alternative<RenderOptions>(line.command) &&
-      !std::holds_alternative<ServeOptions>(line.command))
+      !std::holds_alternative<ServeOptions>(line.command) &&
+      !std::holds_alternative<PyramidOptions>(line.command))
     return {launch.run_on_rank_0(work), true};
   Outcome outcome = guarded(work);
   const bool everywhere = outcome.code != ExitCode::run_failed;

@@ -22,7 +22,7 @@ struct Say {
 
 /// What to do; nothing when the command line was wrong.
 using Command = std::variant<std::monostate, Say, RenderOptions, ServeOptions, InfoOptions, CompareOptions,
-                             SynthOptions, ReferenceOptions>;
+                             SynthOptions, PyramidOptions, ReferenceOptions>;
 
 struct CommandLine {
   Command command;
@@ -43,6 +43,7 @@ struct AllOptions {
   InfoOptions info;
   CompareOptions compare;
   SynthOptions synth;
+  PyramidOptions pyramid;
   ReferenceOptions reference;
 };
 

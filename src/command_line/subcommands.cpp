@@ -134,6 +134,17 @@ void add_plain(OptionList& list, AllOptions& all) {
   add(list, all.*options);
 }
 
+void add_pyramid(OptionList& list, AllOptions& all) {
+  add_volume_options(list, all.pyramid.volume);
+  add_pyramid_options(list, all.pyramid);
+  add_raw_options(list, all.pyramid.volume);
+}
+
+Command settle_pyramid(const OptionList&, AllOptions& all) {
+  refuse_several_channels("pyramid", all.pyramid.volume);
+  return all.pyramid;
+}
+
 template <auto options>
 Command as_read(const OptionList&, AllOptions& all) {
   return all.*options;
@@ -173,6 +184,10 @@ constexpr const char* synth_examples = R"(  ringsplat synth --list
   ringsplat synth shell -o shell.nrrd --dims 128
   ringsplat synth marschner-lobb -o ml.raw --dims 41x41x41 --type float32)";
 
+constexpr const char* pyramid_examples = R"(  ringsplat pyramid scan.mha scan.zarr
+  mpirun -n 8 ringsplat pyramid ct_4096x4096x4096_uint16.raw ct.zarr --spacing 0.002
+  ringsplat render ct.zarr -o part.png --crop 1000:1512,800:1312,0:512)";
+
 constexpr const char* reference_examples =
     R"(  ringsplat reference head.nrrd -o truth.exr --tf mr-soft --size 256
   ringsplat reference ml_41x41x41_float32.raw -o truth.exr --truth analytic --formula marschner-lobb
@@ -192,6 +207,9 @@ constexpr Subcommand all_subcommands[] = {
      as_read<&AllOptions::compare>},
     {"synth", "Write an analytic test volume", "dims = \"64x64x32\"", synth_examples, "",
      add_plain<&AllOptions::synth, add_synth_options>, as_read<&AllOptions::synth>},
+    {"pyramid",
+     "Write a volume in coarser and coarser levels, as OME-Zarr, for when it is too large as a whole",
+     "labels = true", pyramid_examples, "", add_pyramid, settle_pyramid},
     {"reference", "Compute the true picture in double precision, to compare with",
      "size = \"640x480\" or truth = \"field\"", reference_examples, everyday_reference, add_reference,
      settle_reference},

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <set>
 #include <utility>
 
@@ -12,6 +14,7 @@
 #include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/formats/open.hpp"
+#include "volume/clipped.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat {
@@ -77,12 +80,16 @@ void say_which_frame(const VolumeNotes& notes, const VolumeChoice& choice,
                               path.string(), notes.frames, notes.frames - 1));
 }
 
+bool is_zarr(const std::filesystem::path& folder) {
+  return std::ranges::any_of(std::array{"zarr.json", ".zarray", ".zgroup", "attributes.json"},
+                             [&](const char* name) { return std::filesystem::exists(folder / name); });
+}
+
 /// A folder's volume is a stack of TIFF pages, of PNG files or of DICOM images, beside which there may be
 /// pictures, unless the folder is a format of its own.
 Open format_of_folder(const std::filesystem::path& folder) {
   const auto has = [&](const char* name) { return std::filesystem::exists(folder / name); };
-  if (has("zarr.json") || has(".zarray") || has(".zgroup") || has("attributes.json"))
-    return detail::open_zarr;
+  if (is_zarr(folder)) return detail::open_zarr;
   if (has("Header") && has("Level_0"))
     detail::refuse(folder, "save one grid of it, for example yt's covering_grid, as a .npy",
                    "it is an AMReX plotfile, whose boxes differ in resolution");
@@ -144,6 +151,11 @@ std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, con
   try {
     auto source = open_existing(path, raw, choice);
     check(source->grid(), raw.spacing ? "--spacing" : path.string());
+    // Zarr's reader has left out all other chunks.
+    if (choice.crop && !is_zarr(path)) {
+      const VoxelBox box = choice.crop(source->grid());
+      source = clipped_source(std::move(source), box);
+    }
     require_choice_there(source->notes(), choice, path);
     say_which_frame(source->notes(), choice, path);
     return source;

@@ -30,6 +30,7 @@ void add_info_options(OptionList& list, InfoOptions& o);
 void add_compare_options(OptionList& list, CompareOptions& o);
 void add_reference_options(OptionList& list, ReferenceOptions& o);
 void add_synth_options(OptionList& list, SynthOptions& o);
+void add_pyramid_options(OptionList& list, PyramidOptions& o);
 
 /// Completes what all pictures have in common: the method, the mode of several channels where none is given,
 /// what --zoom 1 fits, whether some option says from where the volume is seen, and what an error budget may

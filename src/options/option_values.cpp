@@ -247,7 +247,7 @@ constexpr Alike table[] = {
     {"up", "view-up"},
     {"azimuth", "rotate angle"},
     {"orbit", "turntable"},
-    {"clip", "crop roi"},
+    {"clip", "roi"},
     {"frame", "timestep"},
     {"threads-per-rank", "threads jobs"},
     {"background", "bgcolor"},
@@ -342,6 +342,10 @@ ClipText parse_clip(const std::string& text, const std::string& option) {
   if (clip.parts.back().distances)
     for (Part& part : clip.parts) part.distances = true;
   return clip;
+}
+
+std::function<VoxelBox(const Grid&)> parse_crop(const std::string& text, const std::string& option) {
+  return [clip = parse_clip(text, option)](const Grid& grid) { return clip_box(clip, grid).value(); };
 }
 
 std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string& option) {

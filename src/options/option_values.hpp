@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
@@ -109,6 +110,9 @@ struct ClipText {
 
 /// Throws InputError that names the part that is no range.
 ClipText parse_clip(const std::string& text, const std::string& option);
+
+/// The box that clip_box() makes of such a text, for a volume that is opened later.
+std::function<VoxelBox(const Grid&)> parse_crop(const std::string& text, const std::string& option);
 
 /// One slice, "x=40" or "z=12.5mm", and the axis that it lies across. Throws InputError.
 std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string& option);

@@ -43,6 +43,10 @@ void add_volume_options(OptionList& list, VolumeOptions& o) {
       {"--memory", "SIZE", "a third of the machine's",
        "Of an OME-Zarr pyramid the finest level is taken whose voxels take at most this: 8G, 500M",
        parsed(o.choice.memory, parse_memory)},
+      {"--crop", "X0:X1,Y0:Y1,Z0:Z1", nullptr,
+       "Read only these voxels, as if the file held no others; of a pyramid in voxels of the finest level; "
+       "typed as --clip is, which hides voxels of the volume",
+       parsed(o.choice.crop, parse_crop)},
       {"--mask", "FILE[=LABELS]", nullptr,
        "Show only what a segmentation covers, or of its labels some: seg.nrrd=1,3-5; of its own grid or "
        "another",
@@ -210,6 +214,17 @@ void add_compare_options(OptionList& list, CompareOptions& o) {
       {"--diff-scale", nullptr, initial, "Multiply the written difference",
        value(o.difference_scale, {-1e12, 1e12})},
       {"--json", nullptr, nullptr, "Write JSON", flag(o.json)},
+  };
+}
+
+void add_pyramid_options(OptionList& list, PyramidOptions& o) {
+  list.below("Output") += {
+      {"store", "OUT.zarr", nullptr,
+       "The folder to make; one that was begun for the same volume is gone on with", value(o.output),
+       Mark::required},
+      {"--labels", nullptr, nullptr,
+       "Take every second voxel, whatever the file says of its values, instead of mixing them",
+       flag(o.labels)},
   };
 }
 

@@ -196,6 +196,12 @@ struct SynthOptions {
   bool no_compression = false, list = false;
 };
 
+struct PyramidOptions {
+  VolumeOptions volume;
+  std::string output;   ///< the folder
+  bool labels = false;  ///< the values must not be mixed
+};
+
 struct ReferenceOptions {
   RenderOptions picture;  ///< volume, views, transfer function, shading, output
   TruthKind truth = TruthKind::field;

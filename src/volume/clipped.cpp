@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
@@ -13,8 +14,8 @@ namespace {
 
 class ClippedSource final : public ForwardingSource {
  public:
-  ClippedSource(VolumeSource& full, const VoxelBox& box)
-      : ForwardingSource(full, clipped_grid(full.grid(), box)), box_(box) {}
+  ClippedSource(auto&& full, const Grid& grid, const VoxelBox& box)
+      : ForwardingSource(std::forward<decltype(full)>(full), clipped_grid(grid, box)), box_(box) {}
 
   int layer_depth() const override { return 1; }  // layers begin anywhere
   void read_slices(int first, int count, std::span<std::byte> out) override {
@@ -60,7 +61,13 @@ void copy_clipped(const Grid& grid, const VoxelBox& box, const std::byte* slice,
 
 std::unique_ptr<VolumeSource> clipped_source(VolumeSource& full, const VoxelBox& box) {
   check(box, full.grid());
-  return std::make_unique<ClippedSource>(full, box);
+  return std::make_unique<ClippedSource>(full, full.grid(), box);
+}
+
+std::unique_ptr<VolumeSource> clipped_source(std::unique_ptr<VolumeSource> full, const VoxelBox& box) {
+  const Grid grid = full->grid();
+  check(box, grid);
+  return std::make_unique<ClippedSource>(std::move(full), grid, box);
 }
 
 }  // namespace ringsplat

@@ -12,5 +12,7 @@ void copy_clipped(const Grid& grid, const VoxelBox& box, const std::byte* slice,
 /// Reads the volume cropped to a box from `full`, which must outlive it. Throws InputError when the box does
 /// not lie within the volume.
 std::unique_ptr<VolumeSource> clipped_source(VolumeSource& full, const VoxelBox& box);
+/// Of a volume that it owns.
+std::unique_ptr<VolumeSource> clipped_source(std::unique_ptr<VolumeSource> full, const VoxelBox& box);
 
 }  // namespace ringsplat

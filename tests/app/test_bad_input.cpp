@@ -85,7 +85,7 @@ const std::vector<Case> command_line_cases{
     {{"+", "--mip"}, "did you mean --mode?", true},
     {{"+", "--resolution", "512"}, "did you mean --size?", true},
     {{"+", "--threads", "2"}, "did you mean --threads-per-rank?", true},
-    {{"info", "{in}/good.nrrd", "--crop", "1:2"}, "did you mean --clip?"},
+    {{"info", "{in}/good.nrrd", "--roi", "1:2"}, "did you mean --clip?"},
     {{"+", "extra"}, "'extra' is not expected"},
     {{"+", "--size", "0x0"}, "image size 0x0", true},
     {{"+", "--size", "512x"}, "'512x' is no image size"},

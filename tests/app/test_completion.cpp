@@ -74,7 +74,7 @@ bool has(const Words& words, const std::string& word) {
 TEST_CASE("bash completes subcommands, options and the words of a choice") {
   const Completion completion("bash");
   CHECK(completion.bash({"ren"}) == Words{"render"});
-  CHECK(completion.bash({""}).size() == 6);
+  CHECK(completion.bash({""}).size() == 7);
   CHECK(has(completion.bash({"--ver"}), "--version"));
   CHECK(completion.bash({"render", "--azi"}) == Words{"--azimuth"});
   CHECK(completion.bash({"compare", "--azi"}).empty());

@@ -11,6 +11,14 @@ namespace {
 
 constexpr int chunk = 24;
 
+void describe_array(const fs::path& folder, const glm::ivec3& dims, int side) {
+  write_text(
+      folder / ".zarray",
+      fmt::format(R"({{"zarr_format": 2, "shape": [{2}, {1}, {0}], "chunks": [{3}, {3}, {3}], "dtype": "|u1",
+ "compressor": null, "fill_value": null, "order": "C", "filters": null}})",
+                  dims.x, dims.y, dims.z, side));
+}
+
 /// Chunks of 24 voxels along each axis, filled up beyond the volume's ends.
 void write_chunks(const fs::path& folder, const ringsplat::Grid& grid, const std::string& voxels) {
   const auto size = size_of(grid.type);
@@ -27,11 +35,7 @@ void write_chunks(const fs::path& folder, const ringsplat::Grid& grid, const std
       }
     write_text(folder / fmt::format("{}.{}.{}", at.z, at.y, at.x), values);
   }
-  write_text(
-      folder / ".zarray",
-      fmt::format(R"({{"zarr_format": 2, "shape": [{2}, {1}, {0}], "chunks": [{3}, {3}, {3}], "dtype": "|u1",
- "compressor": null, "fill_value": null, "order": "C", "filters": null}})",
-                  grid.dims.x, grid.dims.y, grid.dims.z, chunk));
+  describe_array(folder, grid.dims, chunk);
 }
 
 }  // namespace
@@ -57,4 +61,26 @@ TEST_CASE("a head in chunks has the bytes of its picture on any ranks", "[mpi][o
     return read_text(out);
   };
   for (const int ranks : {2, 3}) CHECK((picture(chunks, ranks) == picture(file, ranks)));
+}
+
+TEST_CASE("the far corner of a volume of 134 gigavoxels is read and drawn alone", "[mpi][openimageio]") {
+  const TemporaryFolder folder;
+  const fs::path large = folder / "large.zarr", corner = folder / "corner_64x64x64_uint8.raw";
+  fs::create_directories(large);
+  describe_array(large, glm::ivec3(5120), 64);
+  std::string voxels(64 * 64 * 64, '\0');
+  for (std::size_t k = 0; k < voxels.size(); ++k) voxels[k] = char(k * 7 % 251 * (k % 64 > 20));
+  write_text(large / "79.79.79", voxels);
+  write_text(corner, voxels);
+  const auto draw = [&](const fs::path& volume, std::vector<std::string> more) {
+    more.insert(more.begin(), {"render", volume.string(), "-o", folder / (volume.stem().string() + ".exr"),
+                               "--size", "96", "--tf", "grey"});
+    const auto ended = run_program(more, 2);
+    INFO(ended.err);
+    CHECK(ended.code == 0);
+  };
+  draw(corner, {});
+  draw(large, {"--crop", "5056:,5056:,5056:"});
+  const std::string of_corner = folder / "corner_64x64x64_uint8.exr", of_large = folder / "large.exr";
+  CHECK(run_program({"compare", of_large, of_corner, "--fail-above", "0"}).code == 0);
 }

@@ -1,11 +1,13 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
 
 #include "ringsplat/volume/source.hpp"
+#include "ringsplat/volume/voxel_box.hpp"
 
 namespace ringsplat {
 
@@ -30,6 +32,9 @@ struct VolumeChoice {
   /// Bytes that the voxels may take, for which a level of an OME-Zarr pyramid is chosen; without it a third
   /// of this machine's memory.
   std::optional<double> memory = std::nullopt;
+  /// The part of a lattice that is read, as if the file held no more; empty: all. A level of a pyramid is
+  /// chosen for that part, which is asked for in voxels of the finest.
+  std::function<VoxelBox(const Grid&)> crop = {};
 };
 
 /// Opens a file or a folder of one of the formats in docs/volumes.md, by its ending or its first bytes, or a

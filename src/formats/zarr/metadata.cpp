@@ -15,6 +15,12 @@
 #include "base/text.hpp"
 #include "formats/stored_source.hpp"
 
+namespace ringsplat {
+NLOHMANN_JSON_SERIALIZE_ENUM(World, {{World::lattice, "lattice"},
+                                     {World::patient, "patient"},
+                                     {World::microscope, "microscope"}})
+}
+
 namespace ringsplat::detail::zarr {
 namespace {
 
@@ -226,6 +232,34 @@ void describe_axes(const Node& array, const Sizes& shape, DatasetMeaning& meanin
     auto& axis = meaning.axes.emplace_back(DatasetAxis{.size = int(shape[i])});
     if (k < names.size() && names[k].is_string()) axis.name = lower_case(names[k]);
     describe_by_name(axis);
+  }
+}
+
+Json lattice_to_json(const Grid& grid, const VolumeNotes& notes) {
+  const auto list = [](const glm::dvec3& v) { return Json::array({v.x, v.y, v.z}); };
+  Json json{{"world", notes.world},       {"unit", notes.unit},     {"quantity", notes.quantity},
+            {"modality", notes.modality}, {"labels", notes.labels}, {"origin", list(grid.origin)}};
+  for (int k = 0; k < 3; ++k) json["directions"].push_back(list(grid.direction[k]));
+  if (notes.fill) json["fill"] = *notes.fill;  // JSON's null is not-a-number
+  return json;
+}
+
+void describe_lattice(const Json& json, DatasetMeaning& meaning) {
+  const auto vector = [](const Json& list) {
+    return glm::dvec3(list.at(0).get<double>(), list.at(1).get<double>(), list.at(2).get<double>());
+  };
+  auto& notes = meaning.notes;
+  notes.world = json.at("world").get<World>();
+  notes.unit = json.at("unit").get<std::string>();
+  notes.quantity = json.at("quantity").get<std::string>();
+  notes.modality = json.at("modality").get<std::string>();
+  notes.labels = json.at("labels").get<bool>();
+  if (json.contains("fill")) notes.fill = json["fill"].is_null() ? std::nan("") : json["fill"].get<double>();
+  meaning.direction.emplace();
+  meaning.origin = vector(json.at("origin"));
+  for (int k = 0; k < 3; ++k) {
+    (*meaning.direction)[k] = vector(json.at("directions").at(std::size_t(k)));
+    *meaning.origin += (*meaning.direction)[k] * meaning.axes.at(std::size_t(2 - k)).first;
   }
 }
 

@@ -66,6 +66,11 @@ Array array_of(const Node& node);
 void use_micrometres(DatasetMeaning& meaning);
 /// Adds the array's axes by their names, which are an attribute of xarray's in version 2.
 void describe_axes(const Node& array, const Sizes& shape, DatasetMeaning& meaning);
+/// What an image that this program wrote says of its lattice and values beside OME's axes.
+Json lattice_to_json(const Grid& grid, const VolumeNotes& notes);
+/// Sets what lattice_to_json() told, the origin moved by what OME's axes say of the level. Throws
+/// Json::exception where something is missing.
+void describe_lattice(const Json& json, DatasetMeaning& meaning);
 /// What programs write beside an N5 array: steps and their units, along the fastest axis first.
 void describe_steps(const Json& json, DatasetMeaning& meaning);
 

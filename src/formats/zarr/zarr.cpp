@@ -65,7 +65,8 @@ class ZarrSource final : public LayeredSource {
         array_(std::move(array)),
         part_(part),
         from_(array_.shape.size()),
-        to_(array_.shape.size(), 1) {
+        to_(array_.shape.size(), 1),
+        first_slice_(part.lattice[2] >= 0 ? int(part.first[std::size_t(part.lattice[2])]) : 0) {
     std::int64_t step = 1;
     for (auto k = from_.size(); k > 0; --k) {
       const auto axis = std::size_t(array_.order[k - 1]);
@@ -82,7 +83,8 @@ class ZarrSource final : public LayeredSource {
  private:
   void read_layer(int begin, int stop, std::span<std::byte> out) override {
     const auto z = part_.lattice[2];
-    if (z >= 0) part_.first[std::size_t(z)] = begin, part_.end[std::size_t(z)] = stop;
+    if (z >= 0)
+      part_.first[std::size_t(z)] = first_slice_ + begin, part_.end[std::size_t(z)] = first_slice_ + stop;
     Sizes first = part_.first;
     for (std::size_t k = 0; k < first.size(); ++k) first[k] -= first[k] % array_.chunk[k];
     visit_type(grid().type, [&](auto zero) {
@@ -201,6 +203,7 @@ class ZarrSource final : public LayeredSource {
   Array array_;
   ArrayPart part_;   ///< of the layer that was read last
   Sizes from_, to_;  ///< steps from one value to the next along each axis, in a chunk and in a layer
+  int first_slice_;  ///< of the array, along the lattice's z
   std::optional<InputFile> file_;  ///< that was read last
   Sizes held_;                     ///< the chunk that `values_` are of
   std::vector<std::byte> packed_, values_;
@@ -243,6 +246,8 @@ void describe(const Node& group, const Json& image, const Json& level, DatasetMe
         axes[k].first = axes[k].first * scale[k] + shift[k];
       }
     }
+  const auto own = image.value("/metadata/ringsplat"_json_pointer, Json());
+  if (own.is_object()) return describe_lattice(own, meaning);
   meaning.notes.world = World::microscope;
   meaning.notes.labels |= group.ome.contains("image-label");
   for (const auto& channel : group.ome.value("/omero/channels"_json_pointer, Json::array()))
@@ -277,8 +282,25 @@ struct Level {
   Node node;
   Array array;
   DatasetMeaning meaning;
-  std::size_t number = 1, of = 1;  ///< among an image's, from the finest
+  std::size_t number = 1, of = 1;   ///< among an image's, from the finest
+  std::optional<Grid> finest = {};  ///< whose voxels a part of the image is given in
 };
+
+/// Settles what the axes mean.
+Grid lattice_in(DatasetMeaning& meaning, const std::string& where) {
+  settle_roles(meaning, where, "name them by _ARRAY_DIMENSIONS or dimension_names, such as t, c, z, y, x");
+  return lattice_of(meaning, where);
+}
+
+/// The voxels of a level that hold a part of the finest one.
+VoxelBox box_in_level(const VoxelBox& box, const glm::ivec3& finest, const glm::ivec3& level) {
+  VoxelBox scaled;
+  for (int k = 0; k < 3; ++k) {
+    scaled.first[k] = int(std::int64_t(box.first[k]) * level[k] / finest[k]);
+    scaled.end[k] = int((std::int64_t(box.end[k]) * level[k] + finest[k] - 1) / finest[k]);
+  }
+  return scaled;
+}
 
 Level described_array(Node node) {
   Level level{node, array_of(node), {}};
@@ -287,10 +309,14 @@ Level described_array(Node node) {
   return level;
 }
 
-/// Of an image the level in the folder `wanted`, or if that is the image the finest that takes at most `most`
-/// bytes, else the coarsest. Nothing where the image has no level there.
+/// Of an image the level in the folder `wanted`, or if that is the image the finest of which the part that is
+/// read takes no more memory than there may be, else the coarsest. Nothing where the image has no level
+/// there.
 std::optional<Level> find_level(const Node& group, const Json& image, const std::filesystem::path& wanted,
-                                double most) {
+                                const VolumeChoice& choice) {
+  const double most = choice.memory.value_or(machine_memory_bytes() / slice_sets);
+  double part = 1, finer = 0;
+  std::optional<Grid> finest;
   const auto levels = list_in(image, "datasets");
   const bool any = wanted == group.folder;
   for (std::size_t k = 0; k < levels.size(); ++k) {
@@ -302,15 +328,26 @@ std::optional<Level> find_level(const Node& group, const Json& image, const std:
     auto level = described_array(*node);
     level.number = k + 1, level.of = levels.size();
     describe(group, image, levels[k], level.meaning);
-    double bytes = double(size_of(level.array.type->type));
+    if (choice.crop && !finest) {
+      auto meaning = level.meaning;
+      finest = lattice_in(meaning, group.folder.string());
+      const glm::dvec3 parts = glm::dvec3(choice.crop(*finest).dims()) / glm::dvec3(finest->dims);
+      part = parts.x * parts.y * parts.z;
+    }
+    level.finest = finest;
+    double bytes = part * double(size_of(level.array.type->type));
     for (const auto& axis : level.meaning.axes) bytes *= axis.role == Role::space ? axis.size : 1;
-    if (!any || bytes <= most || level.number == level.of) return level;
+    if (any && bytes > most && level.number < level.of) {
+      finer = bytes;
+      continue;
+    }
     constexpr double gib = 1 << 30;
-    log_line_once(
-        LogLevel::info,
-        fmt::format("{}: level {} of {} would take {:.3g} GiB, and --memory allows {:.3g}: a coarser "
-                    "one is shown",
-                    group.folder.string(), level.number, level.of, bytes / gib, most / gib));
+    if (finer > 0)
+      log_line_once(LogLevel::info,
+                    fmt::format("{}: level {} of {} is shown: the next finer one would take {:.3g} GiB, and "
+                                "--memory allows {:.3g}",
+                                group.folder.string(), level.number, level.of, finer / gib, most / gib));
+    return level;
   }
   return {};
 }
@@ -326,9 +363,7 @@ Level find_array(const std::filesystem::path& path, const VolumeChoice& choice) 
     const auto group = node_at(above);
     if (!group || !group->is_image()) continue;
     for (const auto& image : group->ome["multiscales"])
-      if (auto level = find_level(*group, image, node.folder,
-                                  choice.memory.value_or(machine_memory_bytes() / slice_sets)))
-        return *level;
+      if (auto level = find_level(*group, image, node.folder, choice)) return *level;
   }
   return described_array(node);
 }
@@ -347,15 +382,24 @@ void require_chunks(const Node& node, std::uint64_t bytes) {
 
 std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const VolumeChoice& choice) try {
   const auto where = path.string();
-  auto [node, array, meaning, level, levels] = find_array(path, choice);
+  auto [node, array, meaning, level, levels, finest] = find_array(path, choice);
   meaning.notes.labels |= array.type->code == "b1";
-  settle_roles(meaning, where, "name them by _ARRAY_DIMENSIONS or dimension_names, such as t, c, z, y, x");
-  const auto part = choose_part(meaning, array.type->type, choice, where);
-  Grid grid = lattice_of(meaning, where);
+  Grid grid = lattice_in(meaning, where);
+  auto part = choose_part(meaning, array.type->type, choice, where);
   grid.type = array.type->type;
-  if (meaning.notes.world == World::microscope) {
+  if (meaning.notes.world == World::microscope && !meaning.direction) {
     grid.direction = microscope_axes * grid.direction;
     grid.origin = microscope_axes * grid.origin;
+  }
+  if (choice.crop) {
+    const Grid& whole = finest.value_or(grid);
+    const VoxelBox box = box_in_level(choice.crop(whole), whole.dims, grid.dims);
+    grid = clipped_grid(grid, box);
+    for (int k = 0; k < 3; ++k)
+      if (const int axis = part.lattice[std::size_t(k)]; axis >= 0) {
+        part.first[std::size_t(axis)] += box.first[k];
+        part.end[std::size_t(axis)] = part.first[std::size_t(axis)] + box.dims()[k];
+      }
   }
   const Grid read = interleaved_grid(grid, part.components, where);
   require_chunks(node, read.bytes());

@@ -1,0 +1,46 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "ringsplat/volume/source.hpp"
+
+namespace ringsplat {
+
+/// A level of an OME-Zarr image that is being written: an array of Zarr 2 in chunks that blosc compresses.
+/// Layers, the slices of a row of chunks, can be written by several processes at once, each its own.
+class ZarrLevel {
+ public:
+  /// Nothing is written yet.
+  ZarrLevel(std::filesystem::path folder, const Grid& grid);
+
+  int layers() const { return (grid_.dims.z + chunk_.z - 1) / chunk_.z; }
+  /// Makes the folder and says in it what the array is. One process does so before the others write. Throws
+  /// RunError.
+  void begin() const;
+  /// True when all chunks of the layer are on the disk.
+  bool has_layer(int layer) const;
+  /// Reads the layer's slices of a volume of this grid and writes its chunks, each under its name only when
+  /// it is whole. Throws RunError when the disk is full or fails.
+  void write_layer(int layer, VolumeSource& source) const;
+
+ private:
+  std::filesystem::path chunk_file(int layer, int row, int column) const;
+  /// Of a layer's slices, filled up with zeros beyond the volume's far faces, as chunks are all of one size.
+  std::vector<std::byte> chunk_of(std::span<const std::byte> slices, int y, int x) const;
+
+  std::filesystem::path folder_;
+  Grid grid_;
+  /// 64 voxels along each axis; thinner and wider where slices are large, so that a layer takes 64 MiB or
+  /// little more than a slice.
+  glm::ivec3 chunk_;
+};
+
+/// Makes a folder with the levels "0", "1", ... an image of OME-Zarr 0.4. What OME-Zarr has no words for is
+/// said in the image's metadata, from which open_volume() gives back the lattice in the world and `notes` as
+/// they were; channels, time points and series are not among them. Throws RunError.
+void write_ome_zarr(const std::filesystem::path& store, const std::vector<Grid>& levels,
+                    const VolumeNotes& notes);
+
+}  // namespace ringsplat

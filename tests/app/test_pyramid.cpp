@@ -1,0 +1,134 @@
+// ringsplat pyramid: what it writes opens as what it was made of, on any ranks and after an interruption.
+#include <map>
+#include <span>
+
+#include "app/program_runner.hpp"
+#include "ringsplat/formats/open.hpp"
+#include "ringsplat/volume/reduced.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::app_test;
+
+namespace {
+
+const std::string head = std::string(RINGSPLAT_TEST_DATA) + "/head.nrrd";
+
+std::map<std::string, std::string> content_of(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (entry.is_regular_file()) files[fs::relative(entry.path(), folder).string()] = read_text(entry.path());
+  return files;
+}
+
+std::string voxels_of(VolumeSource& source) {
+  std::string voxels(source.grid().bytes(), '\0');
+  source.read_slices(0, source.grid().dims.z, std::as_writable_bytes(std::span(voxels)));
+  return voxels;
+}
+
+void done(const Ended& ended) {
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+}
+
+bool refused(const Ended& ended, const char* what) {
+  INFO(ended.err);
+  return ended.code == 2 && ended.err.find(what) != std::string::npos;
+}
+
+bool same_pictures(const std::string& a, const std::string& b) {
+  return run_program({"compare", a, b, "--fail-above", "0"}).code == 0;
+}
+
+}  // namespace
+
+TEST_CASE("a pyramid's levels are the volume and its halves, where they were in the world", "[mpi]") {
+  const TemporaryFolder folder;
+  const fs::path alone = folder / "alone/head.zarr", together = folder / "together/head.zarr";
+  fs::create_directories(alone.parent_path());
+  fs::create_directories(together.parent_path());
+  done(run_program({"pyramid", head, alone.string()}));
+  done(run_program({"pyramid", head, together.string()}, 3));
+  CHECK(content_of(alone) == content_of(together));
+
+  const auto file = open_volume(head), finest = open_volume(alone),
+             coarse = open_volume(alone, {}, {.memory = 1e6}), half = reduced_source(*file, {2, true});
+  CHECK(facts_of(finest->grid()) == facts_of(file->grid()));
+  CHECK(voxels_of(*finest) == voxels_of(*file));
+  CHECK(coarse->grid().dims == half->grid().dims);
+  CHECK(glm::distance(coarse->grid().origin, half->grid().origin) < 1e-12);
+  CHECK(voxels_of(*coarse) == voxels_of(*half));
+  CHECK(finest->notes().world == World::patient);
+  CHECK(finest->notes().unit == file->notes().unit);
+}
+
+TEST_CASE("a pyramid's picture has the bits of its volume's", "[mpi][openimageio]") {
+  const TemporaryFolder folder;
+  const std::string store = folder / "head.zarr", of_file = folder / "file.exr",
+                    of_store = folder / "store.exr";
+  done(run_program({"pyramid", head, store}, 2));
+  for (const std::vector<std::string>& part : {std::vector<std::string>{}, {"--crop", "10:90,:,30:100"}}) {
+    std::vector<std::string> first{"render", head, "-o", of_file, "--size", "96"},
+        second{"render", store, "-o", of_store, "--size", "96"};
+    first.insert(first.end(), part.begin(), part.end());
+    second.insert(second.end(), part.begin(), part.end());
+    done(run_program(first));
+    done(run_program(second, 3));
+    CHECK(same_pictures(of_file, of_store));
+  }
+}
+
+TEST_CASE("of labels a pyramid takes every second voxel") {
+  const TemporaryFolder folder;
+  const std::string store = folder / "labels.zarr";
+  done(run_program({"pyramid", head, store, "--labels"}));
+  const auto file = open_volume(head), half = reduced_source(*file, {2, false});
+  CHECK(voxels_of(*open_volume(store + "/1")) == voxels_of(*half));
+}
+
+TEST_CASE("a pyramid that was interrupted is gone on with, and nothing else is written to") {
+  const TemporaryFolder folder;
+  const std::string store = folder / "head.zarr", whole = folder / "whole/head.zarr",
+                    other = folder / "other.nrrd";
+  fs::create_directories(folder / "whole");
+  done(run_program({"pyramid", head, whole}));
+  // A limit on files' sizes that the metadata and the small chunks of the last column keep.
+  std::uintmax_t largest = 0;
+  for (const auto& [name, text] : content_of(whole)) largest = std::max<std::uintmax_t>(largest, text.size());
+  const Ended cut = run_command("prlimit --fsize=" + std::to_string(largest - 1) + " " +
+                                command_of(RINGSPLAT_PROGRAM, {"pyramid", head, store}));
+  CHECK(cut.code == 3);
+  CHECK(cut.err.find("cannot be written") != std::string::npos);
+  CHECK(fs::exists(fs::path(store) / ".begun"));
+  CHECK_FALSE(fs::exists(fs::path(store) / ".zattrs"));
+
+  done(run_program({"synth", "ball", "-o", other, "--dims", "70"}));
+  CHECK(refused(run_program({"pyramid", other, store}), "was begun for another volume"));
+  CHECK(refused(run_program({"pyramid", head, store, "--labels"}), "or with other options"));
+  done(run_program({"pyramid", head, store}));
+  CHECK(content_of(store) == content_of(whole));
+  CHECK(refused(run_program({"pyramid", head, store}), "is there already"));
+  CHECK(refused(run_program({"pyramid", head, folder / "none/x.zarr"}), "cannot be made"));
+  CHECK(refused(run_program({"pyramid", head, folder / "x.zarr", "--channel", "0,1"}), "shows one channel"));
+}
+
+TEST_CASE("a part of a pyramid is given in voxels of the finest level, and may be finer than the whole") {
+  const TemporaryFolder folder;
+  const std::string store = folder / "ball.zarr", file = folder / "ball.nrrd";
+  done(run_program({"synth", "ball", "-o", file, "--dims", "150x130x140", "--type", "uint16"}));
+  done(run_program({"pyramid", file, store}));
+  const VoxelBox box{{65, 10, 70}, {129, 70, 130}};
+  VolumeChoice part{.memory = 1e6, .crop = [&](const Grid&) { return box; }};
+  const auto from_file = open_volume(file, {}, part), from_store = open_volume(store, {}, part);
+  CHECK(from_store->grid().dims == box.dims());
+  CHECK(facts_of(from_store->grid()) == facts_of(from_file->grid()));
+  CHECK(voxels_of(*from_store) == voxels_of(*from_file));
+
+  part.memory = 1e5;  // half of each axis fits
+  const auto coarse = open_volume(store, {}, part);
+  CHECK(coarse->grid().dims == glm::ivec3(33, 30, 30));
+  CHECK(glm::distance(coarse->grid().origin, glm::dvec3(64.5, 10.5, 70.5)) < 1e-12);
+  CHECK(refused(run_program({"info", store, "--crop", ":,:,100:141"}),
+                "--crop: the z part, '100:141', does not lie"));
+}
