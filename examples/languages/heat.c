@@ -1,8 +1,9 @@
 /* The heat equation on slabs of a cube, drawn and shown by Ringsplat from C:
  *
- *     mpirun -n 3 heat_c PICTURE [STEPS]
+ *     mpirun -n 3 heat_c PICTURE [STEPS [PICTURES.toml]]
  *
- * It prints a page's address, on which the run can be watched and the heating changed. */
+ * It prints a page's address, on which the run can be watched and the heating changed. A file may ask for more
+ * pictures while it runs. */
 #include <mpi.h>
 #include <ringsplat/ringsplat.h>
 #include <stdio.h>
@@ -68,6 +69,7 @@ int main(int argc, char** argv) {
     next = old;
     check(ringsplat_update_block(session, 0, t + inside, NULL));
     check(ringsplat_show(session, k, 0.125 * k));
+    if (argc > 3) check(ringsplat_act(session, argv[3], k));
   }
   check(ringsplat_commit(session));
   if (argc > 1) check(ringsplat_render(session, "--tf=grey --range=0:2 --size=256 --background=black", argv[1]));

@@ -1,8 +1,9 @@
 ! The heat equation on slabs of a cube, drawn and shown by Ringsplat from Fortran:
 !
-!     mpirun -n 3 heat_f PICTURE [STEPS]
+!     mpirun -n 3 heat_f PICTURE [STEPS [PICTURES.toml]]
 !
-! It prints a page's address, on which the run can be watched and the heating changed.
+! It prints a page's address, on which the run can be watched and the heating changed. A file may ask for more
+! pictures while it runs.
 program heat
   use, intrinsic :: iso_c_binding
   use mpi
@@ -13,7 +14,7 @@ program heat
   real(c_double), target :: heating = 0.1d0
   type(c_ptr) :: session
   integer :: rank, ranks, first, depth, before, after, steps, k, error
-  character(256) :: word, picture
+  character(256) :: word, picture, pictures
 
   call MPI_Init(error)
   call MPI_Comm_rank(MPI_COMM_WORLD, rank, error)
@@ -37,11 +38,13 @@ program heat
   call get_command_argument(1, picture)
   call get_command_argument(2, word)
   if (word /= '') read (word, *) steps
+  call get_command_argument(3, pictures)
   do k = 1, steps
     call exchange()
     call step(real(heating, c_float))
     t = next
     call check(ringsplat_show(session, int(k, c_int64_t), 0.125d0 * k))
+    if (pictures /= '') call check(ringsplat_act(session, pictures, int(k, c_int64_t)))
   end do
   call check(ringsplat_commit(session))
   if (picture /= '') call check(ringsplat_render(session, '--tf=grey --range=0:2 --size=256 --background=black', picture))

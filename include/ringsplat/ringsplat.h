@@ -52,6 +52,12 @@ int ringsplat_commit(ringsplat_session* session);
  * picture, as "--tf=mr-soft --size=800x600", with blanks between; rank 0's count. Collective. */
 int ringsplat_render(ringsplat_session* session, const char* options, const char* file);
 
+/* Draws the pictures that a TOML file asks for after this step, of the blocks as they are now. The file is read
+ * at each step and may be changed while the program runs. A section is a picture: its keys are `every` so many
+ * steps, the `first` step, `file` (where {step} is the step's number), and options of `ringsplat render`. What
+ * is wrong in it is warned of on rank 0. Collective. */
+int ringsplat_act(ringsplat_session* session, const char* file, int64_t step);
+
 /* Shows the volume in browsers from now on (ringsplat/live/live.hpp), from `port` on, or any where it is 0;
  * pictures may hold the program up for `share` of the time that it takes itself, 0.05 for instance. All ranks
  * pass the same. Collective. */

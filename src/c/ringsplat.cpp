@@ -4,9 +4,7 @@
 #include <string>
 
 #include "base/text.hpp"
-#include "images/image_io.hpp"
 #include "mpi/session.hpp"
-#include "net/agree.hpp"
 #include "ringsplat/base/error.hpp"
 #include "words/block_session.hpp"
 
@@ -100,16 +98,11 @@ int ringsplat_commit(ringsplat_session* session) {
 }
 
 int ringsplat_render(ringsplat_session* session, const char* options, const char* file) {
-  return guarded([&] {
-    words::BlockSession& blocks = session->blocks;
-    const auto pictures = blocks.render(words_of(options), {}, {});
-    agree_after(SessionParts::collectives(blocks.session()), [&] {
-      for (const words::Picture& p : pictures) {
-        check_image_name(file, "the picture's file", !p.background);
-        write_image(p.image, file, p.background, p.settings, p.overlay);
-      }
-    });
-  });
+  return guarded([&] { session->blocks.draw(words_of(options), file); });
+}
+
+int ringsplat_act(ringsplat_session* session, const char* file, std::int64_t step) {
+  return guarded([&] { session->blocks.act(file, step); });
 }
 
 int ringsplat_serve(ringsplat_session* session, const char* options, int port, double share) {

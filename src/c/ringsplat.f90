@@ -17,7 +17,7 @@ module ringsplat
   implicit none
   private
   public :: ringsplat_open, ringsplat_close, ringsplat_set_grid, ringsplat_add_block, ringsplat_update_block
-  public :: ringsplat_commit, ringsplat_render, ringsplat_serve, ringsplat_url, ringsplat_offer, ringsplat_show
+  public :: ringsplat_commit, ringsplat_render, ringsplat_act, ringsplat_serve, ringsplat_url, ringsplat_offer, ringsplat_show
   public :: ringsplat_message
 
   integer, parameter, public :: ringsplat_input_error = 2, ringsplat_run_error = 3, ringsplat_alone = -1
@@ -65,6 +65,12 @@ module ringsplat
       import
       type(c_ptr), value :: session
       character(kind=c_char), intent(in) :: options(*), file(*)
+    end function
+    integer(c_int) function c_act(session, file, step) bind(C, name='ringsplat_act')
+      import
+      type(c_ptr), value :: session
+      character(kind=c_char), intent(in) :: file(*)
+      integer(c_int64_t), value :: step
     end function
     integer(c_int) function c_serve(session, options, port, share) bind(C, name='ringsplat_serve')
       import
@@ -125,6 +131,13 @@ contains
     type(c_ptr), intent(in) :: session
     character(*), intent(in) :: options, file
     status = c_render(session, options // c_null_char, trim(file) // c_null_char)
+  end function
+
+  integer function ringsplat_act(session, file, step) result(status)
+    type(c_ptr), intent(in) :: session
+    character(*), intent(in) :: file
+    integer(c_int64_t), intent(in) :: step
+    status = c_act(session, trim(file) // c_null_char, step)
   end function
 
   integer function ringsplat_serve(session, options, port, share) result(status)

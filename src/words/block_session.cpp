@@ -1,7 +1,11 @@
 #include "words/block_session.hpp"
 
+#include <fmt/format.h>
+
 #include "app/render_job.hpp"
+#include "base/archive.hpp"
 #include "base/log.hpp"
+#include "images/image_io.hpp"
 #include "net/agree.hpp"
 #include "options/option_tables.hpp"
 #include "options/transfer_function_option.hpp"
@@ -49,6 +53,32 @@ std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
     if (hooks.told) hooks.told("rendering", double(pictures.size()), double(wanted.frames.size()));
   });
   return pictures;
+}
+
+void BlockSession::draw(const std::vector<std::string>& words, const std::string& file) {
+  const auto pictures = render(words, {}, {});
+  agree_after(collectives_, [&] {
+    for (const Picture& p : pictures) {
+      check_image_name(file, "the picture's file", !p.background);
+      write_image(p.image, file, p.background, p.settings, p.overlay);
+    }
+  });
+}
+
+void BlockSession::act(const std::string& file, std::int64_t step) {
+  Actions& actions = actions_.try_emplace(file, file).first->second;
+  std::vector<Action> due;
+  if (session_.rank() == 0) due = actions.due(step);
+  due.resize(*from_bytes<std::size_t>(collectives_.broadcast(to_bytes(due.size()), 0)));
+  if (due.empty()) return;
+  commit();
+  for (const Action& action : due) {
+    try {
+      draw(action.words, action.file);
+    } catch (const InputError& e) {
+      if (session_.rank() == 0) actions.warn(fmt::format("the picture {}: {}", action.name, e.what()));
+    }
+  }
 }
 
 std::string BlockSession::serve(const std::vector<std::string>& words, LiveOptions options) {

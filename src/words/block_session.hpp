@@ -1,5 +1,6 @@
 #pragma once
 #include <deque>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -7,6 +8,7 @@
 
 #include "ringsplat/live/live.hpp"
 #include "ringsplat/session/session.hpp"
+#include "words/actions.hpp"
 #include "words/picture.hpp"
 
 namespace ringsplat::words {
@@ -28,6 +30,13 @@ class BlockSession {
   /// Rank 0's words and views count. The pictures are returned on rank 0.
   std::vector<Picture> render(const std::vector<std::string>& words,
                               const std::vector<app::ViewAngles>& views, const Hooks& hooks);
+
+  /// The same, of one view, which rank 0 writes to a file.
+  void draw(const std::vector<std::string>& words, const std::string& file);
+
+  /// Draws the pictures that a file asks for (words/actions.hpp) after a step, of the blocks as they are now:
+  /// they are committed when there are any. What is wrong with one is warned of. Collective.
+  void act(const std::string& file, std::int64_t step);
 
   /// Shows the volume in browsers from now on; `words` say what is seen first. Returns the page's address on
   /// rank 0. All ranks pass the same.
@@ -56,6 +65,7 @@ class BlockSession {
   VolumeNotes notes_, committed_notes_;
   std::deque<std::pair<std::string, double>> offered_;  ///< at addresses that last
   std::optional<Live> live_;
+  std::map<std::string, Actions> actions_;  ///< by file
 };
 
 }  // namespace ringsplat::words

@@ -12,9 +12,18 @@ cc -std=c11 -Wall -Wextra -pedantic -Werror $flags -I "$folder/prefix/include" "
   -L "$library" -lringsplat -Wl,-rpath,"$library"
 "$build/check_c" "$build/c.png"
 
-"$mpiexec" -n 3 "$build/heat_c" "$build/heat_c.png" 40
+# heat LANGUAGE RANKS: with a picture at the end and, by a file, at steps 20 and 40.
+heat() {
+  printf '[top]\nevery = 20\nfile = "top_%s-{step}.png"\nview = "top"\nsize = 64\n' "$1" >"$build/$1.toml"
+  "$mpiexec" -n "$2" "$build/heat_$1" "$build/heat_$1.png" 40 "$build/$1.toml"
+}
+rm -f "$build"/top_*.png
+heat c 3
 if [[ -x $build/heat_f ]]; then
-  "$mpiexec" -n 2 "$build/heat_f" "$build/heat_f.png" 40
+  heat f 2
+  for step in 000020 000040; do
+    "$ringsplat" compare "$build/top_c-$step.png" "$build/top_f-$step.png" --fail-above 0
+  done
   "$ringsplat" compare "$build/heat_c.png" "$build/heat_f.png" --fail-above 0
 else
   echo "there is no Fortran compiler: only C was tested"

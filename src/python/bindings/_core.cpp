@@ -289,6 +289,7 @@ void bind_session(nb::module_& m) {
                                    .share = share});
           },
           without_lock)
+      .def("act", &BlockSession::act, without_lock)
       .def("offer", &BlockSession::offer)
       .def("show", &BlockSession::show, without_lock);
 }

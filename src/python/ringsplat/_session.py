@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import operator
+import os
 import sys
 import weakref
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, Sequence, TypeVar, cast
@@ -281,6 +282,21 @@ class Session:
         """Lets pages change a number between `low` and `high`; show() tells what it is. All ranks offer the same in the
         same order, after serve()."""
         self._open().offer(name, float(value), float(low), float(high))
+
+    def act(self, file: "str | os.PathLike[str]", step: int) -> None:
+        """Draws the pictures that a TOML file asks for after a step, of the blocks as they are now. The file is read at
+        each step and may be changed while the program runs:
+
+            [front]
+            every = 10
+            file = "front-{step}.png"
+            azimuth = 30
+            tf = "mr-soft"
+
+        A section is a picture, its keys are `every`, `first` (a step), `file` and options of `ringsplat render`. What is
+        wrong in it is warned of. Collective."""
+        with self._together():
+            self._open().act(os.fspath(file), step)
 
     def show(self, step: int, time: float = 0.0) -> dict[str, float]:
         """Shows the blocks as they are now, after a step. While nobody looks that costs next to nothing. While a page
