@@ -5,7 +5,6 @@
 
 #include "app/channels.hpp"
 #include "images/drawing.hpp"
-#include "options/options.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "ringsplat/volume/statistics.hpp"

@@ -11,10 +11,10 @@
 #include "base/log.hpp"
 #include "base/median.hpp"
 #include "base/output_file.hpp"
+#include "base/printable.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
 #include "options/option_values.hpp"
-#include "options/transfer_function_option.hpp"
 #include "program/text_output.hpp"
 #include "ringsplat/base/error.hpp"
 

@@ -1,6 +1,4 @@
 #pragma once
-#include <array>
-#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>
@@ -23,12 +21,6 @@
 #include "study/error_budget.hpp"
 
 namespace ringsplat::app {
-
-/// The memory that --stats predicts.
-struct SliceMemory {
-  std::array<bool, 3> kept_axes{};
-  std::vector<std::uint64_t> predicted;  ///< bytes of slices by GP
-};
 
 /// A frame, the file that its picture goes to, and the volume that it shows.
 struct FinishedFrame {

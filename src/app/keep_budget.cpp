@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include "app/loading.hpp"
 #include "app/render_job.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"

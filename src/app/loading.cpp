@@ -1,4 +1,4 @@
-#include "app/loading.hpp"
+#include "app/render_job.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 
-#include "app/render_job.hpp"
 #include "base/archive.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
@@ -90,31 +89,31 @@ std::string shared_cores_warning(int threads, const std::vector<Place>& places, 
 namespace {
 
 /// The threads of this rank's engine.
-void settle_threads(RunOptions& options, const Layout& layout, const std::vector<Place>& places,
-                    const Launch& launch) {
-  int& threads = options.engine.threads_per_rank;
-  if (!options.threads_per_rank) {
+void settle_threads(Job& job, const Launch& launch) {
+  RunOptions& run = job.options.run;
+  int& threads = run.engine.threads_per_rank;
+  if (!run.threads_per_rank) {
     threads = simulated() ? 1
                           : std::min(ThreadTeam::most_threads,
-                                     fair_threads(places, launch.rank(), layout.working_ranks()));
+                                     fair_threads(job.places, launch.rank(), job.layout.working_ranks()));
     return;
   }
-  threads = *options.threads_per_rank;
-  check(options.engine);
+  threads = *run.threads_per_rank;
+  check(run.engine);
   const std::string warning =
-      threads > 1 ? shared_cores_warning(threads, places, launch.over_mpi()) : std::string();
+      threads > 1 ? shared_cores_warning(threads, job.places, launch.over_mpi()) : std::string();
   if (launch.rank() == 0 && !warning.empty()) log_warning("{}", warning);
 }
 
 }  // namespace
 
-SettledRanks settle_ranks(RunOptions& options, Launch& launch) {
-  launch.collectives().set_patience({options.protocol.stall_timeout, options.protocol.stall_ends});
-  SettledRanks ranks{places_of_ranks(launch.collectives()), {}};
-  ranks.layout = choose_layout(options, launch.over_mpi(), launch.ranks(), ranks_with_cores(ranks.places));
-  check(options.protocol);
-  settle_threads(options, ranks.layout, ranks.places, launch);
-  return ranks;
+void settle_ranks(Job& job, Launch& launch) {
+  const RunOptions& run = job.options.run;
+  launch.collectives().set_patience({run.protocol.stall_timeout, run.protocol.stall_ends});
+  job.places = places_of_ranks(launch.collectives());
+  job.layout = choose_layout(run, launch.over_mpi(), launch.ranks(), ranks_with_cores(job.places));
+  check(run.protocol);
+  settle_threads(job, launch);
 }
 
 OpenedVolume open(const VolumeOptions& volume, Launch& launch) {
@@ -130,21 +129,22 @@ TransferFunction stand_in_function() {
 
 namespace {
 
-SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, SliceDealing dealing) {
-  SliceMemory memory{load.kept_axes, std::vector<std::uint64_t>(std::size_t(dealing.gps), 0)};
+/// Of slices, by GP.
+std::vector<std::uint64_t> predicted_bytes(const Grid& grid, const LoadOptions& load, SliceDealing dealing) {
+  std::vector<std::uint64_t> bytes(std::size_t(dealing.gps), 0);
   for (const int factor : load.factors) {
     const Grid level = reduced_grid(grid, {factor, load.prefilter});
     for (int gp = 0; gp < dealing.gps; ++gp)
-      memory.predicted[std::size_t(gp)] +=
+      bytes[std::size_t(gp)] +=
           SliceStore::bytes_needed(level, gp, dealing, load.kept_axes, load.with_normals);
   }
-  return memory;
+  return bytes;
 }
 
 std::vector<Layout> those_that_fit(std::vector<Layout> layouts, const Grid& grid, const LoadOptions& load) {
   const double machine = machine_memory_bytes();
   const auto too_large = [&](const Layout& layout) {
-    return double(predict_memory(grid, load, dealing_of(layout)).predicted.front()) > machine;
+    return double(predicted_bytes(grid, load, dealing_of(layout)).front()) > machine;
   };
   std::vector<Layout> fitting = layouts;
   std::erase_if(fitting, too_large);
@@ -175,19 +175,19 @@ Machine machine_of(const std::vector<Place>& places, double hop) {
 /// take least, on the described machine or on this one. All ranks measure what a message costs; rank 0 prints
 /// its choice on stderr. Layouts whose GPs cannot hold their slices are left out. Without views the options'
 /// own counts. All ranks call it before the volume is loaded; all throw the same InputError.
-Layout choose_roles(const Job& job, const std::vector<Place>& places, Launch& launch) {
+Layout choose_roles(const Job& job, Launch& launch) {
   const RenderOptions& o = job.options;
   const auto& described = o.run.simulation.machine;
   const int ranks = launch.ranks();
-  auto layouts =
-      layouts_to_choose_from(o.run, launch.over_mpi(), ranks,
-                             described ? ranks_with_own_cores(*described, ranks) : ranks_with_cores(places));
+  auto layouts = layouts_to_choose_from(
+      o.run, launch.over_mpi(), ranks,
+      described ? ranks_with_own_cores(*described, ranks) : ranks_with_cores(job.places));
   if (!described) layouts = those_that_fit(std::move(layouts), job.volume.grid, job.load);
   const double hop = described ? 0 : measure_hop(*launch.transport());
   Layout chosen;
   launch.check_on_rank_0([&] {
     const auto source = open_volume(o.volume);
-    const Machine machine = described ? *described : machine_of(places, hop);
+    const Machine machine = described ? *described : machine_of(job.places, hop);
     Forecast forecast(*source, o.frame, *job.transfer_function,
                       some_views(job.cameras.empty() ? std::vector{o.frame.shown.camera} : job.cameras),
                       machine, o.run.simulation.voxel_weight, ranks, o.run.protocol);
@@ -201,10 +201,11 @@ Layout choose_roles(const Job& job, const std::vector<Place>& places, Launch& la
 
 /// How many Renderers get regions: all, but two for each core when colocated ranks share cores. More would
 /// not draw faster, and each one's token passes all slices.
-int drawing_renderers(const Layout& layout, const std::vector<Place>& places, const Launch& launch) {
+int drawing_renderers(const Job& job, const Launch& launch) {
+  const Layout& layout = job.layout;
   // Dedicated Renderers have no other work; a simulated machine's cores are not this machine's.
   if (layout.placement != Placement::colocated || !launch.over_mpi() || simulated()) return layout.renderers;
-  const int cores = shared_cores(places);
+  const int cores = shared_cores(job.places);
   return cores < layout.working_ranks() ? std::min(2 * cores, layout.renderers) : layout.renderers;
 }
 
@@ -213,7 +214,7 @@ double slice_bytes_here(const Job& job, const Launch& launch) {
   double held = 0;
   for (int gp = 0; gp < job.layout.gps; ++gp)
     if (!launch.over_mpi() || job.layout.rank_of({Role::gp, gp}) == launch.rank())
-      held += double(job.memory.predicted[std::size_t(gp)]);
+      held += double(job.slice_bytes[std::size_t(gp)]);
   return held;
 }
 
@@ -236,13 +237,13 @@ void check_memory(const Job& job, std::size_t pictures, const Launch& launch) {
 void log_roles(const Job& job, const Launch& launch) {
   std::string axes;
   for (const Axis axis : all_axes)
-    if (job.memory.kept_axes[std::size_t(axis)]) axes += name(axis);
+    if (job.load.kept_axes[std::size_t(axis)]) axes += name(axis);
   for (int rank = 0; rank < job.layout.ranks(); ++rank) {
     if (launch.over_mpi() && rank != launch.rank()) continue;
     for (const NodeId node : job.layout.nodes_on(rank))
       if (node.role == Role::gp)
         log_debug("{} keeps slices of axes {}: {:.1f} MiB", to_string(node), axes,
-                  double(job.memory.predicted[std::size_t(node.index)]) / (1 << 20));
+                  double(job.slice_bytes[std::size_t(node.index)]) / (1 << 20));
       else
         log_debug("{} is here", to_string(node));
   }
@@ -256,12 +257,11 @@ std::size_t room_to_read_ahead(const Job& job, std::size_t pictures, const Launc
   return needed <= machine_memory_bytes() ? std::size_t(held) : 0;
 }
 
-void settle_layout(Job& job, const std::vector<Place>& places, std::size_t pictures, std::size_t volumes,
-                   Launch& launch) {
-  if (job.options.run.choose_roles) job.layout = choose_roles(job, places, launch);
-  job.options.frame.division.dealt_to = drawing_renderers(job.layout, places, launch);
-  job.memory = predict_memory(job.volume.grid, job.load, dealing_of(job.layout));
-  for (std::uint64_t& bytes : job.memory.predicted) bytes *= volumes;
+void settle_layout(Job& job, std::size_t pictures, std::size_t volumes, Launch& launch) {
+  if (job.options.run.choose_roles) job.layout = choose_roles(job, launch);
+  job.options.frame.division.dealt_to = drawing_renderers(job, launch);
+  job.slice_bytes = predicted_bytes(job.volume.grid, job.load, dealing_of(job.layout));
+  for (std::uint64_t& bytes : job.slice_bytes) bytes *= volumes;
   launch.check_on_all_ranks([&] { check_memory(job, pictures, launch); });
   log_roles(job, launch);
 }

@@ -7,7 +7,6 @@
 
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
-#include "app/loading.hpp"
 #include "app/render_job.hpp"
 #include "app/series.hpp"
 #include "app/views.hpp"

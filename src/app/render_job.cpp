@@ -7,7 +7,6 @@
 #include <set>
 #include <utility>
 
-#include "app/loading.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_geometry.hpp"
@@ -182,8 +181,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   Job job;
   RenderOptions& o = job.options = given;
   prepare_simulation(o.run, launch);
-  const auto [places, layout] = settle_ranks(o.run, launch);
-  job.layout = layout;
+  settle_ranks(job, launch);
   // Planes are kept for later views of the same volume; of one view that would only take memory and time.
   const bool one_view = o.frames || (o.orbit <= 1 && o.path.empty());
   if (one_view && !o.run.engine.keep) o.run.engine.keep = 0;
@@ -208,7 +206,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
       job.annotation.emplace(grid, job.volume.notes, o.background, o.colour.range, job.channels);
   });
   job.load = load_options(o, agree_on_axes(o, job.cameras, grid, launch));
-  settle_layout(job, places, pictures_at_once(job, job.cameras.size()), 1, launch);
+  settle_layout(job, pictures_at_once(job, job.cameras.size()), 1, launch);
   launch.check_on_rank_0([&] {
     if (!o.output.empty()) require_image_library();
   });

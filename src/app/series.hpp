@@ -3,13 +3,16 @@
 #include <string>
 #include <vector>
 
-#include "app/loading.hpp"
 #include "options/option_values.hpp"
 #include "options/options.hpp"
 #include "program/launch.hpp"
+#include "program/progress.hpp"
+#include "scene/scene.hpp"
 #include "volume/read_ahead.hpp"
 
 namespace ringsplat::app {
+
+struct Job;
 
 /// A volume of a series.
 struct SeriesEntry {

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "app/commands.hpp"
-#include "app/loading.hpp"
 #include "app/render_job.hpp"
 #include "base/child_program.hpp"
 #include "base/log.hpp"
@@ -51,8 +50,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   RenderOptions& o = job.options = options.picture;
   if (o.run.simulation.machine || simulated())
     throw InputError("nobody can look at simulated ranks", "use ringsplat render");
-  const auto [places, layout] = settle_ranks(o.run, launch);
-  job.layout = layout;
+  settle_ranks(job, launch);
   o.run.engine.encodes_pictures = true;
   launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function, o.colour); });
   find_volumes(job, launch);
@@ -65,7 +63,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
     check_first_view(o.frame, grid);
   });
   job.load = serve::needed_for_levels(o.frame, grid);
-  settle_layout(job, places, pictures_held, job.channels_drawn(), launch);
+  settle_layout(job, pictures_held, job.channels_drawn(), launch);
   if (!view_note.empty()) log_info("{}", view_note);
   return job;
 }

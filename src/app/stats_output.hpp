@@ -32,11 +32,12 @@ inline json to_json(const MeasuredError& m) {
           {"mean", m.error.mean},           {"unit", "1/255"}};
 }
 
-inline json to_json(const SliceMemory& memory) {
+/// What slices are kept, and foreseen to take.
+inline json memory_of(const Job& job) {
   std::string axes;
   for (const Axis axis : all_axes)
-    if (memory.kept_axes[std::size_t(axis)]) axes += name(axis);
-  return {{"kept_axes", axes}, {"predicted_slice_bytes", memory.predicted}};
+    if (job.load.kept_axes[std::size_t(axis)]) axes += name(axis);
+  return {{"kept_axes", axes}, {"predicted_slice_bytes", job.slice_bytes}};
 }
 
 inline double busy_seconds(const NodeStats& s) {
@@ -87,7 +88,7 @@ class StatsOutput {
                                       name(frame.axis)));
     if (!picture.empty()) j["file"] = picture;
     j["volume"] = volume;
-    j["memory"] = to_json(job_.memory);
+    j["memory"] = memory_of(job_);
     if (error != nullptr) {
       j["error"] = to_json(*error);
       j["error"]["seconds"] = error->seconds;

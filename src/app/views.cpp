@@ -9,7 +9,6 @@
 
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -35,7 +35,6 @@ void add_volume(OptionList& list, RenderOptions& o, bool series) {
   add_volume_options(list, o.volume);
   add_clip_options(list, o);
   if (series) add_series_options(list, o);
-  add_raw_options(list, o.volume);
 }
 
 void add_picture(OptionList& list, RenderOptions& o, bool writes_function) {

@@ -7,7 +7,6 @@
 namespace ringsplat::app {
 
 void add_volume_options(OptionList& list, VolumeOptions& o);
-void add_raw_options(OptionList& list, VolumeOptions& o);
 void add_layout_options(OptionList& list, RunOptions& o);
 void add_rank_options(OptionList& list, RunOptions& o);
 void add_protocol_options(OptionList& list, RunOptions& o);

@@ -52,9 +52,6 @@ void add_volume_options(OptionList& list, VolumeOptions& o) {
        "another",
        parsed(o.mask, parse_mask)},
   };
-}
-
-void add_raw_options(OptionList& list, VolumeOptions& o) {
   list.below("Raw volumes (others describe themselves)") += {
       {"--dims", "XxYxZ", nullptr, "Voxels along x, y, z", parsed(o.raw.dims, parse_dims)},
       {"--type", "TYPE", nullptr, "int8 uint8 int16 uint16 int32 uint32 float32 float64",

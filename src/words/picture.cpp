@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "app/frame_output.hpp"
-#include "app/loading.hpp"
 #include "app/render_job.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
@@ -25,10 +24,7 @@ using app::RenderOptions;
 
 OptionList options_for(RenderOptions& o, From from) {
   OptionList list;
-  if (from == From::volume) {
-    app::add_volume_options(list, o.volume);
-    app::add_raw_options(list, o.volume);
-  }
+  if (from == From::volume) app::add_volume_options(list, o.volume);
   for (const auto add : {app::add_clip_options, app::add_render_output_options, app::add_camera_options,
                          app::add_view_options, app::add_size_options, app::add_method_options,
                          app::add_shading_options, app::add_picture_options, app::add_shortcut_options})

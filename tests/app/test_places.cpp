@@ -1,4 +1,4 @@
-#include "app/loading.hpp"
+#include "app/render_job.hpp"
 
 #include "app/program_runner.hpp"
 #include "support/catch.hpp"
