@@ -127,7 +127,7 @@ def measure(server, size, options):
     """A dictionary of what the table's columns need."""
     client = server.client()
     hand = Hand(client, size)
-    names = [level["name"] for level in client.hello["levels"]]
+    names = client.hello["levels"]
     hand.let_go()
     hand.drag(LEARNING_SECONDS)
     arrivals, seconds = hand.drag(options.seconds)

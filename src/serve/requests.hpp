@@ -56,7 +56,7 @@ class Requests {
     const Grid& grid = options_.volume.grid;
     const Probe probe =
         asked.scene ? Probe(best.spec, grid, asked.voxel) : Probe(best.spec, grid, asked.x, asked.y);
-    Probing probing{client, asked.id, probe, volume, best.volume};
+    Probing probing{{client}, asked.id, probe, volume, best.volume};
     const std::lock_guard lock(mutex_);
     if (const auto old = probes_.find(client); old != probes_.end())
       server_.send_text(client, error_text("another pixel was asked for", old->second.id));
@@ -64,7 +64,7 @@ class Requests {
   }
   void add(ClientId client, const FileMessage& asked, std::vector<VolumeFrame> best) {
     const std::lock_guard lock(mutex_);
-    File file{client, asked, std::move(best), asked.movie ? movie_for(client, asked) : nullptr};
+    File file{{client}, asked, std::move(best), asked.movie ? movie_for(client, asked) : nullptr};
     const auto waiting =
         std::count_if(files_.begin(), files_.end(), [&](const File& f) { return f.client == client; });
     if (waiting >= most_waiting)
@@ -192,22 +192,21 @@ class Requests {
  private:
   static constexpr std::ptrdiff_t most_waiting = 4;  // files of one client
 
-  struct Probing {
+  struct Job {
     ClientId client;
+    std::int64_t frame = -1;  ///< that is being rendered
+    bool forgotten = false;
+  };
+  struct Probing : Job {
     std::uint32_t id;
     Probe probe;
     int volume = 0;
     std::size_t channel = 0;
-    std::int64_t frame = -1;  ///< that is being rendered
-    bool forgotten = false;
   };
-  struct File {
-    ClientId client;
+  struct File : Job {
     FileMessage asked;
     std::vector<VolumeFrame> frames;
     std::shared_ptr<Movie> movie;  ///< that it is a frame of
-    std::int64_t frame = -1;       ///< that is being rendered
-    bool forgotten = false;
 
     int volume() const { return asked.scene.frame; }
   };

@@ -80,7 +80,9 @@ const letters = () => {
 let started;
 Object.defineProperty(window, 'app', { get: () => started, set(app) {
   started = app;
-  const { pictureShown } = app;
+  const { pictureShown, probing } = app, { show } = probing;
+  let probed;
+  probing.show = (answer) => show.call(probing, probed = answer);
   app.pictureShown = (picture, latency) => {
     shown.push({ ...picture, blob: undefined });
     pictureShown.call(app, picture, latency);
@@ -99,7 +101,7 @@ Object.defineProperty(window, 'app', { get: () => started, set(app) {
     },
     get letters() { return letters(); },
     get scale() { return app.scale; },
-    get probe() { return app.probing.result; },
+    get probe() { return document.getElementById('probe').hidden ? null : probed; },
     get slices() { return { at: app.slices.at, words: app.slices.words,
                             drawn: app.slices.panes.every(({ bitmap, asks }) => bitmap && !asks) }; },
     get frame() { return app.series.seen; },

@@ -6,19 +6,12 @@ import { colourAt, opacityAt } from './transfer_function.js';
 const seenOpacity = 0.9;
 
 /** Labels' opacities and colours up to half-way to the next whole numbers; all else is transparent. */
-function labelFunction(labels) {
-  const colours = [], opacities = [];
-  let end = null;
-  for (const { value, colour, opacity } of labels) {
-    const low = value - 0.5, high = value + 0.5;
-    colours.push([low, ...colour], [high, ...colour]);
-    if (end !== low && end !== null) opacities.push([end, 0]);
-    if (end !== low) opacities.push([low, 0]);
-    opacities.push([low, opacity], [high, opacity]);
-    end = high;
-  }
-  return { name: 'labels', colours, opacities: [...opacities, [end, 0]] };
-}
+const labelFunction = (labels) => ({
+  name: 'labels',
+  colours: labels.flatMap(({ value, colour }) => [[value - 0.5, ...colour], [value + 0.5, ...colour]]),
+  opacities: labels.flatMap(({ value: v, opacity }) =>
+    [[v - 0.5, 0], [v - 0.5, opacity], [v + 0.5, opacity], [v + 0.5, 0]]),
+});
 
 export class LabelsPanel {
   constructor(app) {

@@ -11,7 +11,6 @@ export class Probe {
     this.canvas = byId('picture');
     this.cross = null;  // CSS pixels of the canvas
     this.asked = 0;
-    this.result = null;
     this.places = [];  // on the lattice, the last three
   }
 
@@ -31,7 +30,6 @@ export class Probe {
   }
 
   show(answer) {
-    this.result = answer;
     if (answer.hit) this.app.slices.goTo(answer.voxel);
     if (answer.hit) this.mark(answer.voxel);
     const unit = this.app.volume.unit ? ' ' + this.app.volume.unit : '';
@@ -71,7 +69,6 @@ export class Probe {
     if (!this.cross) return;
     ++this.asked;
     this.cross = null;
-    this.result = null;
     byId('probe').hidden = true;
     byId('probe-words').textContent = '';
     this.app.redraw();
