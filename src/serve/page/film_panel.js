@@ -44,8 +44,13 @@ export class FilmPanel {
         act('↑', `Move ${name} up`, i === 0, () => this.set(frames.toSpliced(i - 1, 2, frame, frames[i - 1]))),
         act('✕', `Delete ${name}`, false, () => this.set(frames.toSpliced(i, 1))));
     }));
-    byId('play').disabled = byId('render-film').disabled = frames.length < 2;
     byId('clear-keys').disabled = frames.length === 0;
+    this.enable();
+  }
+  /** What needs two key frames; a film can be cancelled whatever became of its own. */
+  enable() {
+    byId('play').disabled = this.frames.length < 2;
+    byId('render-film').disabled = this.frames.length < 2 && !this.job;
   }
 
   add() {
@@ -58,9 +63,6 @@ export class FilmPanel {
   get rate() {
     return Math.max(1, byId('film-rate').valueAsNumber || 25);
   }
-  sceneAt(time) {
-    return sceneAt(this.frames, time, this.app.volume.dims);
-  }
 
   play() {
     if (this.player) return void this.stop();
@@ -71,7 +73,7 @@ export class FilmPanel {
     byId('play').setAttribute('aria-pressed', 'true');
     const step = () => {
       const time = (performance.now() - begin) / 1000 / this.secondsEach;
-      this.app.scene.change(this.sceneAt(Math.min(time, end)));
+      this.app.scene.change(sceneAt(this.frames, Math.min(time, end), this.app.volume.dims));
       if (time >= end) this.stop();
       else this.player = requestAnimationFrame(step);
     };
@@ -110,6 +112,7 @@ export class FilmPanel {
       if (!this.job.signal.aborted) showError(`The film was not rendered: ${error.message}`);
     }
     this.job = null;
+    this.enable();
     byId('render-film').textContent = 'Render';
     byId('film-progress').hidden = true;
   }
@@ -118,12 +121,13 @@ export class FilmPanel {
     byId('film-words').textContent = words;
   }
 
-  /** What the server answers to a question for each frame. */
+  /** What the server answers to a question for each frame, whatever becomes of the key frames meanwhile. */
   async *answers(count, question) {
+    const { frames } = this;
     for (let index = 0; index < count; ++index) {
       byId('film-progress').value = index;
       this.say(`${index} of ${count}`);
-      const state = this.sceneAt((index / (count - 1)) * (this.frames.length - 1));
+      const state = sceneAt(frames, (index / (count - 1)) * (frames.length - 1), this.app.volume.dims);
       yield await this.app.connection.ask({ ...question, index, state }, this.job.signal);
     }
   }
