@@ -44,13 +44,11 @@ class Peers:
     """The scene in a folder, as every program takes it: head.raw (x fastest, axes along the world's), scene.json, views.txt (azimuth and
     elevation), and for each transfer function NAME.json for ringsplat and NAME.opacity, one number a value, for VolPack."""
 
-    def __init__(self, bench, size):
+    def __init__(self, bench, size, synth=None):
         self.bench, self.size = bench, size
-        head = Volume(HEAD)
-        steps = [step[k] for k, step in enumerate(head.directions)]
-        voxels = fade(numpy.flip(head.voxels, [2 - k for k, step in enumerate(steps) if step < 0]))
+        voxels, spacing = self.head() if synth is None else self.synthetic(*synth.split(":"))
         voxels.tofile(bench.path("head.raw"))
-        dims, spacing = list(voxels.shape[::-1]), [float(abs(step)) for step in steps]
+        dims = list(voxels.shape[::-1])
         self.dims, self.spacing = dims, spacing
         self.volume = (bench.path("head.raw"), "--dims", "x".join(map(str, dims)), "--type", "uint8", "--spacing", "x".join(map(str, spacing)))
         self.visible, functions = {}, {}
@@ -62,6 +60,19 @@ class Peers:
         views = [f"{360.0 * k / VIEWS:.6f} {70 * math.sin(2 * math.pi * k / 8):.6f}\n" for k in range(VIEWS)]
         self.views = bench.write("views.txt", "".join(views))
         self.truth_views = bench.write("truth_views.txt", "".join(views[k] for k in TRUTH_VIEWS))
+
+    @staticmethod
+    def head():
+        head = Volume(HEAD)
+        steps = [step[k] for k, step in enumerate(head.directions)]
+        voxels = fade(numpy.flip(head.voxels, [2 - k for k, step in enumerate(steps) if step < 0]))
+        return voxels, [float(abs(step)) for step in steps]
+
+    def synthetic(self, name, side):
+        side = int(side)
+        file = self.bench.path(f"synth_{side}x{side}x{side}_uint8.raw")
+        program("synth", name, "--dims", side, "-o", file)
+        return numpy.fromfile(file, numpy.uint8).reshape(side, side, side), [1.0] * 3
 
     def whiten(self, name):
         """The opacity's points, and a table of it."""
@@ -76,20 +87,20 @@ class Peers:
         self.bench.write(f"{name}.opacity", "\n".join(f"{o:.9g}" for o in opacity) + "\n")
         return points, opacity
 
-    def make_truths(self):
-        """Kept as long as what they are made from is the same."""
+    def make_truths(self, scenes):
+        """Of (function, shading)s; kept as long as what they are made from is the same."""
         made_from = ("head.raw", "soft.json", "surface.json", "truth_views.txt")
         key = hashlib.sha256(b"".join(self.bench.path(name).read_bytes() for name in made_from) + bytes(str(self.size), "ascii")).hexdigest()[:16]
         self.truths = KEPT / "truth" / key
-        if (self.truths / "done").exists():
-            return
         self.truths.mkdir(parents=True, exist_ok=True)
-        for function in FUNCTIONS:
-            for shading in SHADINGS:
-                say(f"the field's truth: {function}, {shading}")
-                program("reference", *self.volume, "--truth", "field", "--tolerance", "1e-4", "--path", self.truth_views, "--size", self.size,
-                        "--tf", self.bench.path(f"{function}.json"), "--shading", shading, "-o", self.truths / f"{function}-{shading}.exr")
-        (self.truths / "done").touch()
+        for function, shading in scenes:
+            done = self.truths / f"{function}-{shading}.done"
+            if done.exists():
+                continue
+            say(f"the field's truth: {function}, {shading}")
+            program("reference", *self.volume, "--truth", "field", "--tolerance", "1e-4", "--path", self.truth_views, "--size", self.size,
+                    "--tf", self.bench.path(f"{function}.json"), "--shading", shading, "-o", self.truths / f"{function}-{shading}.exr")
+            done.touch()
 
     def ringsplat(self, ranks, function, shading, views, *options):
         return self.bench.run(ranks, *self.volume, *AHEAD, "--size", self.size, "--tf", self.bench.path(f"{function}.json"), "--shading", shading,
@@ -209,7 +220,7 @@ def other_programs(peers):
 def main(words):
     """Time and error beside VTK's ray casters, VolPack and ParaView: Phong and unshaded, 24 views that traverse all three slice sets; ringsplat
 with two colocated ranks, on the screen and in the plane of the slices, there with kernels of radius 1.1 and with one GP and one Renderer
-as well, and sheets of all three qualities. The programs take turns; figures are medians over all frames of all rounds. Prints a table and
+as well, and sheets of all three qualities; of the head, or of an analytic volume. The programs take turns; figures are medians over all frames of all rounds. Prints a table and
 draws it, the numbers are in build/peers/speed-error.csv. VTK comes from PyPI into build/peers (about 400 MB), VolPack from
 libvolpack1-dev. VTK's GPU ray caster is measured where Mesa's software rasteriser is: libegl1 and libgl1-mesa-dri, or libosmesa6."""
     arguments = parser(main.__doc__)
@@ -217,21 +228,30 @@ libvolpack1-dev. VTK's GPU ray caster is measured where Mesa's software rasteris
     arguments.add_argument("-o", "--output", default=KEPT / "speed-error.png", metavar="PNG")
     arguments.add_argument("--draw", action="store_true", help="only draws the numbers again")
     arguments.add_argument("--size", type=int, default=512)
+    arguments.add_argument("--synth", metavar="NAME:SIDE", help="an analytic volume (ringsplat synth --list) instead of the head: gaussians:512")
+    choose_scenes(arguments)
     arguments.add_argument("render_options", nargs="*", metavar="-- RENDER_OPTION", help="for all of ringsplat's runs")
     options = arguments.parse_args(words)
     KEPT.mkdir(parents=True, exist_ok=True)
     table = KEPT / "speed-error.csv"
     if not options.draw:
         with Bench() as bench, display() if has_paraview() else contextlib.nullcontext():
-            write_csv(table, measure_peers(Peers(bench, options.size), options.repeat, options.render_options))
+            write_csv(table, measure_peers(Peers(bench, options.size, options.synth), options))
     rows = read_csv(table)
     print_peers(rows)
     write_figure(draw(plotting(), rows), options.output)
 
 
-def measure_peers(peers, rounds, more):
+def choose_scenes(arguments):
+    arguments.add_argument("--functions", nargs="+", choices=FUNCTIONS, default=FUNCTIONS)
+    arguments.add_argument("--shadings", nargs="+", choices=SHADINGS, default=SHADINGS)
+
+
+def measure_peers(peers, options):
     others = other_programs(peers)
-    peers.make_truths()
+    rounds, more = options.repeat, options.render_options
+    scenes = [(function, shading) for function in options.functions for shading in options.shadings]
+    peers.make_truths(scenes)
     seconds = defaultdict(list)
 
     def stem(name, function, shading):
@@ -239,20 +259,19 @@ def measure_peers(peers, rounds, more):
 
     for k in range(rounds):
         say(f"round {k + 1} of {rounds}")
-        for function in FUNCTIONS:
-            for shading in SHADINGS:
-                for name, (_, how) in SETTINGS.items():
-                    # One frame in flight: from the announcement to the finished picture, as the others' are from call to return.
-                    frames = peers.ringsplat(2, function, shading, peers.views, *how, *more, "--frames-in-flight", 1)
-                    seconds[name, function, shading] += [frame["seconds"] for frame in frames[1:]]
-                    if k == 0:
-                        peers.ringsplat(2, function, shading, peers.truth_views, *how, *more, "-o", f"{stem(name, function, shading)}.exr")
-                for name, draw_all in others.items():
-                    seconds[name, function, shading] += draw_all(function, shading, *([stem(name, function, shading)] if k == 0 else []))[1:]
+        for function, shading in scenes:
+            for name, (_, how) in SETTINGS.items():
+                # One frame in flight: from the announcement to the finished picture, as the others' are from call to return.
+                frames = peers.ringsplat(2, function, shading, peers.views, *how, *more, "--frames-in-flight", 1)
+                seconds[name, function, shading] += [frame["seconds"] for frame in frames[1:]]
+                if k == 0:
+                    peers.ringsplat(2, function, shading, peers.truth_views, *how, *more, "-o", f"{stem(name, function, shading)}.exr")
+            for name, draw_all in others.items():
+                seconds[name, function, shading] += draw_all(function, shading, *([stem(name, function, shading)] if k == 0 else []))[1:]
     return [{"function": function, "visible": peers.visible[function], "shading": shading, "program": name,
              "seconds": median(seconds[name, function, shading]),
              "rmse": peers.error(stem(name, function, shading), function, shading, range(3) if name in SETTINGS else TRUTH_VIEWS)}
-            for function in FUNCTIONS for shading in SHADINGS for name in [*SETTINGS, *others]]
+            for function, shading in scenes for name in [*SETTINGS, *others]]
 
 
 def print_peers(rows):
@@ -279,8 +298,10 @@ def draw(plt, rows):
     """A panel for each transfer function; points further left are faster, lower ones nearer to the field."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    figure, panels = plt.subplots(1, len(FUNCTIONS), figsize=(5.4 * len(FUNCTIONS), 5.6), sharex=True, sharey=True)
-    for panel, function in zip(panels, FUNCTIONS):
+    functions = list(dict.fromkeys(row["function"] for row in rows))
+    figure, panels = plt.subplots(1, len(functions), figsize=(5.4 * len(functions), 5.6), sharex=True, sharey=True, squeeze=False)
+    panels = panels[0]
+    for panel, function in zip(panels, functions):
         of = {(row["shading"], row["program"]): (1e3 * float(row["seconds"]), float(row["rmse"])) for row in rows if row["function"] == function}
         for name, (colour, marker, line, programs) in FAMILIES.items():
             for shading, face in (("phong", colour), ("none", "white")):
@@ -316,8 +337,7 @@ at most; the error against the field's truth; the median time of a frame; and th
 to build/peers/paraview.csv."""
     arguments = parser(paraview.__doc__)
     repeat(arguments, 3)
-    arguments.add_argument("--functions", nargs="+", choices=FUNCTIONS, default=FUNCTIONS)
-    arguments.add_argument("--shadings", nargs="+", choices=SHADINGS, default=SHADINGS)
+    choose_scenes(arguments)
     arguments.add_argument("--size", type=int, default=512)
     options = arguments.parse_args(words)
     if not has_paraview():
@@ -325,7 +345,7 @@ to build/peers/paraview.csv."""
     KEPT.mkdir(parents=True, exist_ok=True)
     with Bench() as bench, display():
         peers = Peers(bench, options.size)
-        peers.make_truths()
+        peers.make_truths([(function, shading) for function in options.functions for shading in options.shadings])
         # Three views for the errors, and three for more times; the first is drawn twice.
         lines = peers.views.read_text().splitlines(keepends=True)
         peers.views.write_text(peers.truth_views.read_text() + "".join(lines[k] for k in (4, 12, 20)))
