@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "app/commands.hpp"
-#include "app/loading.hpp"
+#include "app/render_job.hpp"
 #include "base/output_file.hpp"
 #include "formats/zarr/write.hpp"
 #include "net/agree.hpp"

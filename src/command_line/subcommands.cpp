@@ -136,7 +136,6 @@ void add_plain(OptionList& list, AllOptions& all) {
 void add_pyramid(OptionList& list, AllOptions& all) {
   add_volume_options(list, all.pyramid.volume);
   add_pyramid_options(list, all.pyramid);
-  add_raw_options(list, all.pyramid.volume);
 }
 
 Command settle_pyramid(const OptionList&, AllOptions& all) {
