@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/log.hpp"
+#include "base/text.hpp"
 #include "ringsplat/base/error.hpp"
 #include "words/picture.hpp"
 
@@ -14,10 +15,11 @@ namespace ringsplat::words {
 namespace {
 
 std::int64_t whole(const CLI::ConfigItem& item, std::int64_t least) {
-  std::int64_t number = 0;
-  if (item.inputs.size() != 1 || !CLI::detail::lexical_cast(item.inputs.front(), number) || number < least)
+  const auto number =
+      item.inputs.size() == 1 ? detail::number_in<std::int64_t>(item.inputs.front()) : std::nullopt;
+  if (!number || *number < least)
     throw InputError(fmt::format("{} must be a whole number from {}", item.fullname(), least));
-  return number;
+  return *number;
 }
 
 void take(Action& action, const CLI::ConfigItem& item) {

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include "app/render_job.hpp"
-#include "base/archive.hpp"
 #include "base/log.hpp"
 #include "images/image_io.hpp"
 #include "net/agree.hpp"
+#include "net/blocks.hpp"
 #include "options/option_tables.hpp"
 #include "options/transfer_function_option.hpp"
 #include "ringsplat/base/error.hpp"
@@ -69,7 +69,8 @@ void BlockSession::act(const std::string& file, std::int64_t step) {
   Actions& actions = actions_.try_emplace(file, file).first->second;
   std::vector<Action> due;
   if (session_.rank() == 0) due = actions.due(step);
-  due.resize(*from_bytes<std::size_t>(collectives_.broadcast(to_bytes(due.size()), 0)));
+  due.resize(
+      value_of<std::size_t>(collectives_.broadcast(to_bytes(due.size()), 0), "how many pictures are due"));
   if (due.empty()) return;
   commit();
   for (const Action& action : due) {

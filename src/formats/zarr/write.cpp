@@ -19,6 +19,8 @@ namespace {
 using detail::zarr::Json;
 namespace fs = std::filesystem;
 
+constexpr int clevel = 3;  ///< of 9, as blosc's zstd counts
+
 glm::ivec3 chunk_dims(const Grid& grid) {
   constexpr std::uint64_t most = std::uint64_t{64} << 20;
   int depth = 64, side = 64;
@@ -38,10 +40,10 @@ Json slowest_first(const auto& v) { return {v.z, v.y, v.x}; }
 
 /// By one thread, as all ranks encode.
 void pack(const std::vector<std::byte>& chunk, std::size_t scalar, std::vector<std::byte>& packed) {
-  constexpr int level = 3, threads = 1;
+  constexpr int threads = 1;
   constexpr std::size_t blocks_of_its_choice = 0;
   packed.resize(chunk.size() + BLOSC_MAX_OVERHEAD);
-  const int bytes = blosc_compress_ctx(level, BLOSC_SHUFFLE, scalar, chunk.size(), chunk.data(),
+  const int bytes = blosc_compress_ctx(clevel, BLOSC_SHUFFLE, scalar, chunk.size(), chunk.data(),
                                        packed.data(), packed.size(), "zstd", blocks_of_its_choice, threads);
   if (bytes <= 0) throw RunError(fmt::format("blosc cannot compress a chunk of {} bytes", chunk.size()));
   packed.resize(std::size_t(bytes));
@@ -65,7 +67,8 @@ void ZarrLevel::begin() const {
       {"chunks", slowest_first(chunk_)},
       {"dtype", fmt::format("{}{}", size_of(grid_.type) == 1 ? '|' : order,
                             detail::number_type(to_string(grid_.type))->code)},
-      {"compressor", {{"id", "blosc"}, {"cname", "zstd"}, {"clevel", 3}, {"shuffle", 1}, {"blocksize", 0}}},
+      {"compressor",
+       {{"id", "blosc"}, {"cname", "zstd"}, {"clevel", clevel}, {"shuffle", 1}, {"blocksize", 0}}},
       {"fill_value", 0},
       {"order", "C"},
       {"filters", nullptr},
