@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -61,6 +62,10 @@ Sizes sizes_in(const Node& node, const Json& list, int least = 1);
 /// What an array's metadata say. Throws InputError for what is not read, and Json::exception where something
 /// is missing or of another type.
 Array array_of(const Node& node);
+/// The part of an array as a volume of this grid, its numbers interleaved where it has several a voxel.
+/// `facts`: beside the grid's and the files'.
+std::unique_ptr<VolumeSource> array_source(const Grid& grid, const Node& node, Array array,
+                                           const ArrayPart& part, Facts facts);
 
 /// Makes lengths micrometres where all have units.
 void use_micrometres(DatasetMeaning& meaning);
