@@ -16,8 +16,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/byte_order.hpp"
 #include "base/text.hpp"
-#include "formats/binary_fields.hpp"
 #include "formats/limits.hpp"
 #include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"

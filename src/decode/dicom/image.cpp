@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/byte_order.hpp"
 #include "decode/dicom/elements.hpp"
-#include "formats/binary_fields.hpp"
 #include "formats/limits.hpp"
 
 namespace ringsplat::detail {

@@ -2,7 +2,7 @@
 #include <glm/trigonometric.hpp>
 #include <utility>
 
-#include "formats/binary_fields.hpp"
+#include "base/byte_order.hpp"
 #include "formats/channels.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"

@@ -12,9 +12,9 @@
 #include <utility>
 #include <vector>
 
+#include "base/byte_order.hpp"
 #include "base/input_file.hpp"
 #include "base/text.hpp"
-#include "formats/binary_fields.hpp"
 #include "formats/channels.hpp"
 #include "formats/encoded_bytes.hpp"
 #include "formats/formats.hpp"

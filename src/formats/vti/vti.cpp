@@ -16,7 +16,6 @@
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"
 #include "base/text.hpp"
-#include "formats/binary_fields.hpp"
 #include "formats/channels.hpp"
 #include "formats/encoded_bytes.hpp"
 #include "formats/formats.hpp"

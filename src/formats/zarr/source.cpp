@@ -6,7 +6,6 @@
 
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"
-#include "formats/binary_fields.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/volume_files.hpp"
 #include "formats/zarr/metadata.hpp"
