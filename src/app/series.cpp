@@ -10,7 +10,6 @@
 #include <string_view>
 #include <utility>
 
-#include "base/natural_order.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "ringsplat/base/error.hpp"
@@ -76,7 +75,7 @@ Numbered globbed_files(const std::string& pattern) {
   if (result != 0 && result != GLOB_NOMATCH)
     throw InputError(fmt::format("the files of {} cannot be listed", printable(pattern)),
                      "check the folder's permissions");
-  std::sort(found.begin(), found.end(), naturally_before);
+  std::sort(found.begin(), found.end(), detail::naturally_before);
   Numbered numbered;
   for (auto& name : found) numbered.emplace_back(int(numbered.size()), std::move(name));
   return numbered;

@@ -1,7 +1,11 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <cstring>
+#include <functional>
 #include <iterator>
 #include <optional>
 #include <sstream>
@@ -14,14 +18,13 @@
 
 namespace ringsplat::detail {
 
-/// "a, b, c". (fmt::join makes GCC 12 warn falsely of an overflow inside fmt.)
-template <class Range>
-std::string comma_list(const Range& names) {
+/// "a, b, c": of each element the part that is named. (fmt::join makes GCC 12 warn falsely of an overflow
+/// inside fmt.)
+template <class Range, class Part = std::identity>
+std::string joined(const Range& elements, std::string_view between = ", ", const Part& part = {}) {
   std::string list;
-  for (const auto& name : names) {
-    if (!list.empty()) list += ", ";
-    list += name;
-  }
+  for (const auto& element : elements)
+    list += fmt::format("{}{}", list.empty() ? "" : between, std::invoke(part, element));
   return list;
 }
 
@@ -39,11 +42,7 @@ inline std::vector<std::string> words_of(const std::string& text) {
 
 /// The text without line ends, doubled blanks and blanks at the ends. Libraries describe errors in several
 /// lines.
-inline std::string one_line(const std::string& text) {
-  std::string line;
-  for (const std::string& word : words_of(text)) line += (line.empty() ? "" : " ") + word;
-  return line;
-}
+inline std::string one_line(const std::string& text) { return joined(words_of(text), " "); }
 
 /// The text without blanks at the ends.
 inline std::string trimmed(const std::string& text) {
@@ -60,6 +59,12 @@ std::optional<T> number_in(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error != std::errc() || end != text.data() + text.size()) return {};
   return number;
+}
+
+/// True when `a` comes before `b` as people count: slice2 before slice10, as runs of digits are compared as
+/// numbers; those with a zero in front come first.
+inline bool naturally_before(const std::string& a, const std::string& b) {
+  return strverscmp(a.c_str(), b.c_str()) < 0;
 }
 
 }  // namespace ringsplat::detail

@@ -22,11 +22,7 @@ int count(const std::vector<DatasetAxis>& axes, Role role) {
 
 bool spare(const std::vector<DatasetAxis>& axes) { return count(axes, Role::space) > 3; }
 
-std::string sizes_of(const std::vector<DatasetAxis>& axes) {
-  std::string text;
-  for (const auto& axis : axes) text += fmt::format("{}{}", text.empty() ? "" : " x ", axis.size);
-  return text;
-}
+std::string sizes_of(const std::vector<DatasetAxis>& axes) { return joined(axes, " x ", &DatasetAxis::size); }
 
 /// The lattice's directions in the world: where every axis of space has its own they are taken, else the axes
 /// lie along x, y, z in turn.

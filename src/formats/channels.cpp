@@ -52,7 +52,7 @@ std::string listed_channels(std::int64_t count, const std::vector<ChannelNotes>&
                            : std::to_string(c));
   }
   if (count > most) listed.emplace_back("...");
-  return comma_list(listed);
+  return joined(listed);
 }
 
 class ChannelSource final : public ForwardingSource {

@@ -47,7 +47,7 @@ ScalarType scalar_type_from(const std::string& name) {
     if (!lower.empty() && std::find(names.begin(), names.end(), lower) != names.end()) return ScalarType(i);
     known.push_back(names.front());
   }
-  throw InputError(fmt::format("'{}' is not a scalar type", name), "use one of " + detail::comma_list(known));
+  throw InputError(fmt::format("'{}' is not a scalar type", name), "use one of " + detail::joined(known));
 }
 
 void detail::check_lattice(const Grid& grid, const std::string& where) {

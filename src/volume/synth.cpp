@@ -139,7 +139,7 @@ const SynthName& entry_of(const std::string& name, const char* what, bool with_p
     if (name == e.name) return e;
     names.emplace_back(e.name);
   }
-  throw InputError(fmt::format("'{}' is not a {}", name, what), "use one of " + detail::comma_list(names));
+  throw InputError(fmt::format("'{}' is not a {}", name, what), "use one of " + detail::joined(names));
 }
 
 }  // namespace

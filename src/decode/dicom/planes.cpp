@@ -172,7 +172,7 @@ void warn_of_missing(const Images& images, const Lattice& lattice, const DicomPl
   const bool more = gaps.size() > most;
   if (more) gaps.resize(most);
   log_warning_once("{}: {} slices are missing and filled in from their neighbours: {}{}", placing.where,
-                   lattice.missing(), comma_list(gaps), more ? " and elsewhere" : "");
+                   lattice.missing(), joined(gaps), more ? " and elsewhere" : "");
 }
 
 }  // namespace

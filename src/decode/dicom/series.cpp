@@ -103,12 +103,11 @@ std::string describe(const DicomSeries& one, const std::vector<DicomSeries>& all
 std::string list_of(const std::vector<DicomSeries>& series) {
   constexpr std::size_t most = 10;
   auto lines = describe(series);
-  std::string list;
-  for (std::size_t i = 0; i < std::min(lines.size(), most); ++i) {
-    if (i > 0) list += "; ";
-    list += lines[i];
+  if (lines.size() > most) {
+    lines[most] = fmt::format("{} more", lines.size() - most);
+    lines.resize(most + 1);
   }
-  return lines.size() > most ? list + fmt::format("; {} more", lines.size() - most) : list;
+  return joined(lines, "; ");
 }
 
 using Matches = std::vector<const DicomSeries*>;

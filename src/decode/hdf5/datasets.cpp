@@ -27,11 +27,7 @@ struct Found {
   }
 };
 
-std::string shape_of(const Found& found) {
-  std::string text;
-  for (const int size : found.dims) text += fmt::format("{}{}", text.empty() ? "" : "x", size);
-  return text + " " + found.type;
-}
+std::string shape_of(const Found& found) { return joined(found.dims, "x") + " " + found.type; }
 
 /// Names of what lies in the group itself: links to elsewhere are not followed.
 std::vector<std::string> names_in(hid_t group) {

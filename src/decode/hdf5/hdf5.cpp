@@ -65,12 +65,10 @@ hid_t memory_type(ScalarType type) {
 }
 
 Facts facts_of(const Selection& selection) {
-  std::string first;
-  for (const auto at : selection.part.first) first += fmt::format("{}{}", first.empty() ? "" : " ", at);
   Facts facts{{"encoding", "HDF5"},
               {"dataset", selection.dataset},
               {"stored type", selection.value.name},
-              {"first voxel", first}};
+              {"first voxel", joined(selection.part.first, " ")}};
   if (!selection.rescale.empty())
     facts.push_back({"rescale", fmt::format("{:.17g} {:.17g}", selection.rescale.front().slope,
                                             selection.rescale.front().intercept)});

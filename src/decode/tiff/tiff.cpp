@@ -8,7 +8,6 @@
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"
 #include "base/log.hpp"
-#include "base/natural_order.hpp"
 #include "base/text.hpp"
 #include "decode/readers.hpp"
 #include "decode/tiff/file.hpp"

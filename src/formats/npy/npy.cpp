@@ -115,11 +115,7 @@ struct Axes {
   glm::ivec3 dims{1};
 };
 
-std::string text_of(const std::vector<std::int64_t>& shape) {
-  std::vector<std::string> sizes;
-  for (const auto size : shape) sizes.push_back(fmt::format("{}", size));
-  return fmt::format("({})", comma_list(sizes));
-}
+std::string text_of(const std::vector<std::int64_t>& shape) { return fmt::format("({})", joined(shape)); }
 
 /// Of four or five axes the last one is of components when it is as short as a colour's.
 Axes axes_of(const NpyHeader& header, const std::filesystem::path& path) {

@@ -67,11 +67,10 @@ Chosen choose(const VtiHeader& header, const std::string& channel, const std::fi
   array = default_array(header);
   const bool component = array != nullptr && (array->components > 1 || piece.arrays.size() == 1);
   if (array != nullptr && (channel.empty() || component)) return {*array, channel};
-  std::vector<std::string> names;
-  for (const auto& each : piece.arrays) names.push_back(excerpt(each.name));
+  const auto names = joined(piece.arrays, ", ", [](const VtiArray& each) { return excerpt(each.name); });
   if (channel.empty())
-    refuse(path, "choose one with --channel: " + comma_list(names), "it holds {} arrays", names.size());
-  refuse(path, "its arrays are " + comma_list(names), "--channel {}: it has no such array", channel);
+    refuse(path, "choose one with --channel: " + names, "it holds {} arrays", piece.arrays.size());
+  refuse(path, "its arrays are " + names, "--channel {}: it has no such array", channel);
 }
 
 ScalarType type_of(const VtiArray& array, const std::filesystem::path& path) {

@@ -54,9 +54,7 @@ class Reader {
     throw InputError(fmt::format("{} {}", file_.path().string(), what), other_hint);
   }
   [[noreturn]] void fail_line() const {
-    std::string line;
-    for (const auto& word : words_) line += (line.empty() ? "" : " ") + word;
-    refuse(file_.path(), "correct the header", "its header has a line '{}'", excerpt(line));
+    refuse(file_.path(), "correct the header", "its header has a line '{}'", excerpt(joined(words_, " ")));
   }
 
   /// True for the header's last line.

@@ -87,7 +87,7 @@ Node only_one(const Node& group) {
   if (found.size() == 1) return *last;
   std::ranges::sort(found);
   refuse(group.folder, "name the folder of an array or an image", "the group holds {}",
-         found.empty() ? "none" : "several: " + comma_list(found));
+         found.empty() ? "none" : "several: " + joined(found));
 }
 
 struct Level {
