@@ -30,15 +30,16 @@ namespace {
 
 constexpr std::uint64_t longest_header = 64 << 20;  // bytes; a header has a few hundred
 
-/// In small letters without blanks.
+/// As spelled() has them.
 constexpr std::string_view known_fields =
     " content number type blocksize dimension space spacedimension sizes spacings thicknesses axismins "
     "axismaxs spacedirections centerings kinds labels units min max oldmin oldmax endian encoding lineskip "
     "byteskip sampleunits spaceunits spaceorigin measurementframe datafile ";
 
-std::string spelled(const std::string& field) {
-  std::string name = lower_case(trimmed(field));
-  std::erase(name, ' ');
+/// Fields, kinds and spaces are spelled with hyphens, blanks or neither, in any case.
+std::string spelled(const std::string& text) {
+  std::string name = lower_case(trimmed(text));
+  std::erase_if(name, [](char c) { return c == '-' || c == ' '; });
   return name == "centers" ? "centerings" : name;
 }
 
@@ -190,12 +191,6 @@ Encoding encoding_of(const NrrdFields& fields) {
          excerpt(name));
 }
 
-/// Kinds and spaces are spelled with hyphens, blanks or neither, in any case.
-std::string joined(std::string name) {
-  std::erase_if(name, [](char c) { return c == '-' || c == ' '; });
-  return lower_case(std::move(name));
-}
-
 /// Vectors, matrices and the like are the kinds that are not named here.
 NrrdKind kind_of(const std::string& name) {
   using enum NrrdKind;
@@ -203,7 +198,7 @@ NrrdKind kind_of(const std::string& name) {
       {"???", unknown},    {"none", unknown}, {"domain", lattice},    {"space", lattice},
       {"time", time},      {"list", list},    {"rgb", colours},       {"rgbcolor", colours},
       {"3color", colours}, {"rgba", colours}, {"rgbacolor", colours}, {"4color", colours}};
-  return found(kinds, joined(name)).value_or(channels);
+  return found(kinds, spelled(name)).value_or(channels);
 }
 
 struct Space {
@@ -273,7 +268,7 @@ void read_space(const NrrdFields& fields, NrrdHeader& header) {
   const auto axes = fields.integer("space dimension", 0);
   if (axes < 0 || axes > most_axes) fields.fail("space dimension");
   header.space_axes = int(axes);
-  const auto name = joined(fields.value("space"));
+  const auto name = spelled(fields.value("space"));
   if (name.empty()) return;
   for (const auto& space : spaces)
     for (const bool time : {false, true}) {
