@@ -215,47 +215,34 @@ class MetaReader {
 
 constexpr const char* pattern_hint = "write it as 'NAME%03d.raw FIRST LAST STEP'";
 
-struct Numbering {
-  std::int64_t first = 1, last = 0, step = 1;
-};
-
-/// Splits "NAME FIRST LAST STEP". The name may have blanks only when all three numbers are given.
-std::pair<NumberedName, Numbering> parse_pattern(const MetaHeader& header, std::int64_t files) {
-  const auto words = words_of(header.data_file);
-  const auto numbers = words.size() > 4 ? 3 : words.size() - 1;
-  auto name_end = header.data_file.size();
+/// By "NAME FIRST LAST STEP", of which any numbers may be missing at the end. The name may have blanks only
+/// when all three are given.
+std::vector<std::string> names_of_pattern(const MetaHeader& header, std::int64_t files) {
+  auto name = words_of(header.data_file);
   std::vector<std::int64_t> given;
-  for (std::size_t i = words.size() - numbers; i < words.size(); ++i) {
-    const auto number = number_in<std::int32_t>(words[i]);
+  const auto numbers = name.size() > 4 ? 3 : name.size() - 1;
+  for (auto word = name.end() - std::ptrdiff_t(numbers); word != name.end(); ++word) {
+    const auto number = number_in<std::int32_t>(*word);
     if (!number || *number < 0)
-      header.fail(pattern_hint, "has '{}' where a whole number belongs", excerpt(words[i]));
+      header.fail(pattern_hint, "has '{}' where a whole number belongs", excerpt(*word));
     given.push_back(*number);
   }
-  for (std::size_t i = 0; i < numbers; ++i)
-    name_end = header.data_file.find_last_not_of(" \t", header.data_file.find_last_of(" \t", name_end) - 1);
-  const NumberedName pattern(header.data_file.substr(0, numbers > 0 ? name_end + 1 : std::string::npos));
-  if (!pattern.valid())
-    header.fail(pattern_hint,
-                "is no pattern of file names: it needs one %d and nothing else with a percent sign");
-  Numbering range;
-  if (!given.empty()) range.first = given[0];
-  range.last = given.size() > 1 ? given[1] : range.first + files - 1;
-  if (given.size() > 2)
-    range.step = given[2];
+  name.resize(name.size() - numbers);
+  const auto first = numbers > 0 ? given[0] : 1, last = numbers > 1 ? given[1] : first + files - 1;
+  std::int64_t step = 1;
+  if (numbers > 2)
+    step = given[2];
   else if (files > 1)
-    range.step = (range.last - range.first) / (files - 1);
-  return {pattern, range};
-}
-
-std::vector<std::string> names_of_pattern(const MetaHeader& header, std::int64_t files) {
-  const auto [pattern, range] = parse_pattern(header, files);
-  if (range.step < 1) header.fail(pattern_hint, "counts in steps of {}", range.step);
-  const auto found = range.last < range.first ? 0 : (range.last - range.first) / range.step + 1;
+    step = (last - first) / (files - 1);
+  if (step < 1) header.fail(pattern_hint, "counts in steps of {}", step);
+  const auto found = last < first ? 0 : (last - first) / step + 1;
   if (found != files)
     header.fail("correct the numbers behind the name, or DimSize", "names {} files, DimSize asks for {}",
                 found, files);
-  std::vector<std::string> names;
-  for (std::int64_t i = 0; i < files; ++i) names.push_back(pattern.with(range.first + i * range.step));
+  const auto names = numbered_names(joined(name, " "), first, files, step);
+  if (names.empty())
+    header.fail(pattern_hint,
+                "is no pattern of file names: it needs one %d and nothing else with a percent sign");
   return names;
 }
 

@@ -171,10 +171,6 @@ void require_count(const NrrdHeader& header, std::size_t count, const std::optio
 
 Names names_of_pattern(const NrrdHeader& header) {
   const auto words = words_of(header.data_file);
-  const NumberedName name(words[0]);
-  if (!name.valid())
-    refuse(header.path, "give a name with one number, such as slice%03d.raw 1 60 1",
-           "the pattern of its data files is '{}'", excerpt(header.data_file));
   std::vector<std::int64_t> numbers;
   for (std::size_t i = 1; i < words.size() && i < 4; ++i)
     if (const auto number = number_in<std::int32_t>(words[i])) numbers.push_back(*number);
@@ -183,9 +179,11 @@ Names names_of_pattern(const NrrdHeader& header) {
   const auto count = (last - first) / step + 1;
   constexpr std::int64_t most = 1 << 17;
   if ((last - first) * step < 0 || count > most) fail_data_file(header);
-  require_count(header, std::size_t(count), words.size() > 4 ? std::optional(words[4]) : std::nullopt);
-  Names names;
-  for (std::int64_t k = 0; k < count; ++k) names.push_back(name.with(first + k * step));
+  const auto names = numbered_names(words[0], first, count, step);
+  if (names.empty())
+    refuse(header.path, "give a name with one number, such as slice%03d.raw 1 60 1",
+           "the pattern of its data files is '{}'", excerpt(header.data_file));
+  require_count(header, names.size(), words.size() > 4 ? std::optional(words[4]) : std::nullopt);
   return names;
 }
 
