@@ -9,6 +9,7 @@
 
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"
+#include "base/printable.hpp"
 #include "formats/limits.hpp"
 #include "formats/signatures.hpp"
 #include "formats/volume_files.hpp"
@@ -120,6 +121,13 @@ const NumberType* number_type(std::string_view name) {
   for (const auto& type : types)
     if (name == type.code || name == type.name) return &type;
   return nullptr;
+}
+
+ScalarType voxel_type(const std::filesystem::path& file, const std::string& name) try {
+  return scalar_type_from(name);
+} catch (const InputError&) {
+  refuse(file, "convert them to int32, uint32 or float32 first", "voxels of type '{}' cannot be rendered",
+         excerpt(name));
 }
 
 void widen_halves(std::span<const std::byte> halves, std::span<std::byte> floats) {

@@ -31,6 +31,9 @@ struct NumberType {
 /// By either name; null for others.
 const NumberType* number_type(std::string_view name);
 
+/// The type that scalar_type_from() knows by this name. Throws InputError for others.
+ScalarType voxel_type(const std::filesystem::path& file, const std::string& name);
+
 /// Makes binary32 of IEEE 754 binary16.
 void widen_halves(std::span<const std::byte> halves, std::span<std::byte> floats);
 /// Makes float64 of 64-bit integers, in place. Throws InputError, with `where`, for one that has none

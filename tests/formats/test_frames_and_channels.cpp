@@ -262,7 +262,7 @@ TEST_CASE("a legacy VTK file says in its header where and what it is", "[vtk]") 
       files::file("another set", "no STRUCTURED_POINTS", "a.vtk", head("DATASET POLYDATA\n")),
       files::file("cells", "values of cells", "a.vtk", head(grid + "CELL_DATA 24\nSCALARS v short\n" + data)),
       files::file("tensors", "with SCALARS", "a.vtk", head(grid + "TENSORS t float\n")),
-      files::file("64 bits", "type long cannot", "a.vtk", head(grid + "SCALARS v long\n" + data)),
+      files::file("64 bits", "type 'long' cannot", "a.vtk", head(grid + "SCALARS v long\n" + data)),
       files::file("no components", "'scalars v short 0'", "a.vtk", head(grid + "SCALARS v short 0\n" + data)),
       files::file("no type", "'scalars v'", "a.vtk", head(grid + "SCALARS v\n" + data)),
       files::file("two numbers", "'dimensions 5 4'", "a.vtk",

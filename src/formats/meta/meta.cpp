@@ -167,10 +167,7 @@ class MetaReader {
     const auto* const found = std::find(std::begin(meta_types), std::end(meta_types), name);
     if (found != std::end(meta_types)) return ScalarType(found - std::begin(meta_types));
     // They have 4 bytes wherever they were written.
-    if (name == "MET_LONG") return ScalarType::int32;
-    if (name == "MET_ULONG") return ScalarType::uint32;
-    refuse(file_.path(), "convert them to int32, uint32 or float32 first",
-           "voxels of type '{}' cannot be rendered", excerpt(name));
+    return voxel_type(file_.path(), name == "MET_LONG" ? "int32" : name == "MET_ULONG" ? "uint32" : name);
   }
 
   int read_dimensions() const {

@@ -16,6 +16,7 @@
 #include "base/text.hpp"
 #include "formats/label_names.hpp"
 #include "formats/limits.hpp"
+#include "formats/stored_source.hpp"
 #include "formats/text_reader.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -168,16 +169,6 @@ std::optional<T> found(const std::pair<std::string_view, T> (&list)[count], cons
   for (const auto& [known, value] : list)
     if (known == name) return value;
   return {};
-}
-
-ScalarType type_of(const NrrdFields& fields) {
-  const auto name = fields.required("type");
-  try {
-    return scalar_type_from(name);
-  } catch (const InputError&) {
-    refuse(fields.path(), "convert them to int32, uint32 or float32 first",
-           "voxels of type '{}' cannot be rendered", excerpt(name));
-  }
 }
 
 Encoding encoding_of(const NrrdFields& fields) {
@@ -333,7 +324,7 @@ NrrdHeader read_nrrd_header(const std::filesystem::path& path) {
   NrrdHeader header;
   header.path = path;
   read_sizes(fields, header);
-  header.type = type_of(fields);
+  header.type = voxel_type(path, fields.required("type"));
   read_kinds(fields, header);
   read_spacings(fields, header);
   read_space(fields, header);

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstring>
 #include <glm/vector_relational.hpp>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <span>
@@ -28,9 +27,6 @@
 
 namespace ringsplat::detail {
 namespace {
-
-constexpr std::string_view types[] = {"Int8",  "UInt8",  "Int16",   "UInt16",
-                                      "Int32", "UInt32", "Float32", "Float64"};  ///< in ScalarType's order
 
 struct Chosen {
   const VtiArray& array;
@@ -73,11 +69,9 @@ Chosen choose(const VtiHeader& header, const std::string& channel, const std::fi
   refuse(path, "its arrays are " + names, "--channel {}: it has no such array", channel);
 }
 
-ScalarType type_of(const VtiArray& array, const std::filesystem::path& path) {
-  const auto* const found = std::find(std::begin(types), std::end(types), array.type);
-  if (found != std::end(types)) return ScalarType(found - std::begin(types));
-  refuse(path, "convert them to Int32, UInt32 or Float32 first",
-         "voxels of type '{}' cannot be rendered (the array '{}')", excerpt(array.type), excerpt(array.name));
+/// For messages.
+std::string named(const std::filesystem::path& path, const VtiArray& array) {
+  return fmt::format("{}, array '{}'", path.string(), excerpt(array.name));
 }
 
 /// The points from `first` to `last` along each axis, or the cells between them. A flat volume has one layer
@@ -107,7 +101,7 @@ Grid grid_of(const VtiHeader& header, const VtiArray& array, const std::filesyst
   grid.spacing = header.spacing;
   grid.direction = header.direction;
   grid.origin = header.origin + header.direction * (header.spacing * first);
-  grid.type = type_of(array, path);
+  grid.type = voxel_type(named(path, array), array.type);
   check_lattice(grid, path.string());
   return grid;
 }
@@ -297,7 +291,7 @@ std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const 
   for (const auto& piece : header.pieces)
     if (auto box = piece_of(header, piece, array, grid)) pieces.push_back(std::move(*box));
   auto source = channel_source(pieced_source(wide, std::move(pieces), path.string()), grid, components,
-                               component, fmt::format("{}, array '{}'", path.string(), excerpt(array.name)));
+                               component, named(path, array));
   const auto channels = std::max<std::int64_t>(components, std::int64_t(arrays.size()));
   return with_notes(std::move(source), {.quantity = array.name, .channels = int(channels)});
 }

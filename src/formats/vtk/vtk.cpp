@@ -122,12 +122,7 @@ class Reader {
     if (word >= words_.size()) fail_line();
     auto name = words_[word];
     std::replace(name.begin(), name.end(), '_', ' ');
-    try {
-      return scalar_type_from(name == "char" ? "schar" : name);
-    } catch (const InputError&) {
-      refuse(file_.path(), "convert them to int32, uint32 or float32 first",
-             "voxels of type {} cannot be rendered", excerpt(words_[word]));
-    }
+    return voxel_type(file_.path(), name == "char" ? "schar" : name);
   }
 
   InputFile file_;
