@@ -2,33 +2,37 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
+#include <algorithm>
 #include <utility>
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat {
 namespace {
 
+/// Every step-th voxel of a box.
 class ClippedSource final : public ForwardingSource {
  public:
-  ClippedSource(auto&& full, const Grid& grid, const VoxelBox& box)
-      : ForwardingSource(std::forward<decltype(full)>(full), clipped_grid(grid, box)), box_(box) {}
+  ClippedSource(auto&& full, const Grid& part, const VoxelBox& box, int step = 1)
+      : ForwardingSource(std::forward<decltype(full)>(full), part), box_(box), step_(step) {}
 
-  int layer_depth() const override { return 1; }  // layers begin anywhere
+  /// Those of a box begin anywhere.
+  int layer_depth() const override { return step_ == 1 ? 1 : std::max(1, source_.layer_depth() / step_); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
     slice_.resize(source_.grid().slice_bytes(Axis::z));
     for (int k = 0; k < count; ++k) {
-      source_.read_slices(box_.first.z + first + k, 1, slice_);
+      source_.read_slices(box_.first.z + (first + k) * step_, 1, slice_);
       copy_clipped(source_.grid(), box_, slice_.data(),
-                   out.data() + std::size_t(k) * grid().slice_bytes(Axis::z));
+                   out.data() + std::size_t(k) * grid().slice_bytes(Axis::z), step_);
     }
   }
 
  private:
   VoxelBox box_;
+  int step_;
   std::vector<std::byte> slice_;  ///< of the whole volume
 };
 
@@ -52,22 +56,27 @@ Grid clipped_grid(const Grid& grid, const VoxelBox& box) {
   return part;
 }
 
-void copy_clipped(const Grid& grid, const VoxelBox& box, const std::byte* slice, std::byte* out) {
-  const std::size_t scalar = size_of(grid.type), pitch = std::size_t(grid.dims.x) * scalar,
-                    row = std::size_t(box.dims().x) * scalar;
-  const std::byte* from = slice + std::size_t(box.first.y) * pitch + std::size_t(box.first.x) * scalar;
-  for (int y = box.first.y; y < box.end.y; ++y, from += pitch, out += row) std::memcpy(out, from, row);
+void copy_clipped(const Grid& grid, const VoxelBox& box, const std::byte* slice, std::byte* out, int step) {
+  const std::size_t scalar = size_of(grid.type), pitch = std::size_t(grid.dims.x) * scalar;
+  const int width = (box.dims().x + step - 1) / step;
+  for (int y = box.first.y; y < box.end.y; y += step, out += std::size_t(width) * scalar)
+    copy_row(scalar, slice + std::size_t(y) * pitch + std::size_t(box.first.x) * scalar,
+             std::int64_t(scalar) * step, width, out);
 }
 
 std::unique_ptr<VolumeSource> clipped_source(VolumeSource& full, const VoxelBox& box) {
   check(box, full.grid());
-  return std::make_unique<ClippedSource>(full, full.grid(), box);
+  return std::make_unique<ClippedSource>(full, clipped_grid(full.grid(), box), box);
 }
 
 std::unique_ptr<VolumeSource> clipped_source(std::unique_ptr<VolumeSource> full, const VoxelBox& box) {
   const Grid grid = full->grid();
   check(box, grid);
-  return std::make_unique<ClippedSource>(std::move(full), grid, box);
+  return std::make_unique<ClippedSource>(std::move(full), clipped_grid(grid, box), box);
+}
+
+std::unique_ptr<VolumeSource> skipping_source(VolumeSource& full, const Grid& reduced, int step) {
+  return std::make_unique<ClippedSource>(full, reduced, whole_box(full.grid()), step);
 }
 
 }  // namespace ringsplat

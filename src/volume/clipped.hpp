@@ -6,13 +6,18 @@
 
 namespace ringsplat {
 
-/// Copies the rows of a z slice of `grid` that lie in the box: box.dims().x * box.dims().y scalars.
-void copy_clipped(const Grid& grid, const VoxelBox& box, const std::byte* slice, std::byte* out);
+/// Copies what lies in the box of a z slice of `grid`: of every `step`-th row every `step`-th scalar.
+void copy_clipped(const Grid& grid, const VoxelBox& box, const std::byte* slice, std::byte* out,
+                  int step = 1);
 
 /// Reads the volume cropped to a box from `full`, which must outlive it. Throws InputError when the box does
 /// not lie within the volume.
 std::unique_ptr<VolumeSource> clipped_source(VolumeSource& full, const VoxelBox& box);
 /// Of a volume that it owns.
 std::unique_ptr<VolumeSource> clipped_source(std::unique_ptr<VolumeSource> full, const VoxelBox& box);
+
+/// Reads every `step`-th voxel along each axis from `full`, which must outlive it, as a volume of this
+/// lattice.
+std::unique_ptr<VolumeSource> skipping_source(VolumeSource& full, const Grid& reduced, int step);
 
 }  // namespace ringsplat

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
+#include "volume/clipped.hpp"
 #include "volume/forwarding_source.hpp"
 #include "volume/scalars.hpp"
 
@@ -22,31 +23,6 @@ template <class T>
 void put(T value, std::size_t index, std::span<std::byte> out) {
   std::memcpy(out.data() + index * sizeof(T), &value, sizeof(T));
 }
-
-/// Every factor-th voxel.
-class SkippingSource final : public ForwardingSource {
- public:
-  SkippingSource(VolumeSource& full, int factor)
-      : ForwardingSource(full, reduced_grid(full.grid(), {factor, false})),
-        factor_(factor),
-        slice_(full.grid().slice_bytes(Axis::z)) {}
-
-  int layer_depth() const override { return reduced_layer_depth(source_.layer_depth(), {factor_, false}); }
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    const std::size_t scalar = size_of(grid().type), row = std::size_t(source_.grid().dims.x) * scalar;
-    std::byte* to = out.data();
-    for (int z = first; z < first + count; ++z) {
-      source_.read_slices(z * factor_, 1, slice_);
-      for (int y = 0; y < grid().dims.y; ++y, to += std::size_t(grid().dims.x) * scalar)
-        copy_row(scalar, slice_.data() + std::size_t(y * factor_) * row,
-                 std::int64_t(factor_) * std::int64_t(scalar), grid().dims.x, to);
-    }
-  }
-
- private:
-  int factor_;
-  std::vector<std::byte> slice_;  ///< of the full volume
-};
 
 constexpr int taps = 4;
 /// Cubic interpolation half-way between voxels. It blurs no more than the next level's kernels do anyway and,
@@ -188,7 +164,8 @@ VoxelBox reduced_box(const VoxelBox& box, const Grid& grid, const Reduction& red
 }
 
 std::unique_ptr<VolumeSource> reduced_source(VolumeSource& full, const Reduction& reduction) {
-  if (!reduction.prefilter) return std::make_unique<SkippingSource>(full, reduction.factor);
+  if (!reduction.prefilter)
+    return skipping_source(full, reduced_grid(full.grid(), reduction), reduction.factor);
   if (reduction.factor != 2 && reduction.factor != 4)
     throw InputError(fmt::format("--undersample {} has no prefilter", reduction.factor), "use 2 or 4");
   const Reduction halving{2, true};
