@@ -20,22 +20,18 @@ class Id {
  public:
   Id() = default;
   explicit Id(hid_t id) : id_(id) {}
-  ~Id() { close(); }
-  Id(Id&& other) noexcept : id_(std::exchange(other.id_, H5I_INVALID_HID)) {}
+  ~Id() {
+    if (id_ >= 0) H5Idec_ref(id_);
+  }
+  Id(Id&& other) noexcept { std::swap(id_, other.id_); }
   Id& operator=(Id&& other) noexcept {
-    if (this != &other) {
-      close();
-      id_ = std::exchange(other.id_, H5I_INVALID_HID);
-    }
+    std::swap(id_, other.id_);
     return *this;
   }
   hid_t get() const { return id_; }
   explicit operator bool() const { return id_ >= 0; }
 
  private:
-  void close() {
-    if (id_ >= 0) H5Idec_ref(id_);
-  }
   hid_t id_ = H5I_INVALID_HID;
 };
 
