@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <glm/vec3.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <limits>
 #include <utility>
 
@@ -112,7 +112,7 @@ void check_spacing(const DicomFile& file, const DicomItem& item, DicomTag tag) {
 void check_orientation(const DicomFile& file, const DicomItem& item) {
   const auto n = checked_numbers(file, item, dicom::orientation);
   if (n.empty()) return;
-  const glm::dvec3 row(n[0], n[1], n[2]), column(n[3], n[4], n[5]);
+  const glm::dvec3 row = glm::make_vec3(n.data()), column = glm::make_vec3(n.data() + 3);
   constexpr double tolerated = 1e-3;  // GDCM's own
   const double lengths = glm::length(row) * glm::length(column);
   if (!(std::abs(glm::dot(row, column)) < tolerated * lengths))

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <iterator>
 #include <sstream>
 #include <string>
@@ -132,8 +133,7 @@ glm::dvec3 spacing_of(const DicomFile& file, const gdcm::ImageReader& reader) {
     const auto said = checked_numbers(file, file.elements, dicom::pixel_spacing);
     return said.empty() ? glm::dvec3(1) : glm::dvec3(said[1], said[0], 1);
   }
-  const double* const spacing = reader.GetImage().GetSpacing();
-  return {spacing[0], spacing[1], spacing[2]};
+  return glm::make_vec3(reader.GetImage().GetSpacing());
 }
 
 /// The lattice without the type. Its axes become orthogonal.
@@ -144,8 +144,8 @@ Grid lattice_of(const DicomFile& file, const gdcm::ImageReader& reader) {
   Grid grid;
   grid.dims = {int(dims[0]), int(dims[1]), image.GetNumberOfDimensions() == 3 ? int(dims[2]) : 1};
   grid.spacing = spacing_of(file, reader);
-  grid.origin = {origin[0], origin[1], origin[2]};
-  const glm::dvec3 row(axes[0], axes[1], axes[2]), column(axes[3], axes[4], axes[5]);
+  grid.origin = glm::make_vec3(origin);
+  const glm::dvec3 row = glm::make_vec3(axes), column = glm::make_vec3(axes + 3);
   grid.direction[2] = glm::normalize(glm::cross(row, column));
   grid.direction[0] = glm::normalize(glm::cross(column, grid.direction[2]));
   grid.direction[1] = glm::cross(grid.direction[2], grid.direction[0]);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <glm/gtc/type_ptr.hpp>
 #include <numeric>
 #include <utility>
 
@@ -22,10 +23,6 @@ double number_or_0(const DicomItem& item, DicomTag tag) {
   return numbers.size() != 1 || std::isnan(numbers[0]) ? 0 : numbers[0];
 }
 
-glm::dvec3 three(const std::vector<double>& n, std::size_t from) {
-  return {n[from], n[from + 1], n[from + 2]};
-}
-
 /// A frame's item of a functional group: its own, or that of all frames.
 const DicomItem* item_of(const DicomItem* all, const DicomItem& own, DicomTag group) {
   const auto* const found = own.first_item(group);
@@ -40,8 +37,8 @@ std::optional<DicomPlanes> lattice_of(const DicomFile& file, const DicomItem* al
   const auto n = checked_numbers(file, *turned, dicom::orientation);
   const auto spacing = checked_numbers(file, *measures, dicom::pixel_spacing);
   if (n.empty() || spacing.empty()) return {};
-  return DicomPlanes{.row = glm::normalize(three(n, 0)),
-                     .column = glm::normalize(three(n, 3)),
+  return DicomPlanes{.row = glm::normalize(glm::make_vec3(n.data())),
+                     .column = glm::normalize(glm::make_vec3(n.data() + 3)),
                      .spacing = {spacing[1], spacing[0]},
                      .planes = {}};
 }
@@ -201,7 +198,7 @@ std::optional<DicomPlanes> dicom_planes(const DicomFile& file, int frames) {
     if (!alike(*planes, *lattice))
       refuse(file.path, "give the frames as a series of files, one stack a folder",
              "frame {} is turned or scaled otherwise than those before it", planes->planes.size());
-    DicomPlane plane{.position = three(position, 0), .times = {}};
+    DicomPlane plane{.position = glm::make_vec3(position.data()), .times = {}};
     if (const auto* const content = own.first_item(dicom::frame_content))
       plane.times.front() = number_or_0(*content, dicom::time_index);
     plane.times.back() = double(planes->planes.size());

@@ -1,6 +1,8 @@
 // Simulations' own conventions: VTKHDF's ImageData (VTK's file formats, "VTKHDF") and openPMD's mesh records
 // (openPMD standard 1.1, "Mesh Based Records").
 #include <algorithm>
+#include <glm/gtc/type_ptr.hpp>
+#include <glm/matrix.hpp>
 
 #include "base/printable.hpp"
 #include "base/text.hpp"
@@ -15,8 +17,7 @@ using Role = DatasetAxis::Role;
 Id opened(hid_t file, const std::string& path) { return Id(H5Oopen(file, path.c_str(), H5P_DEFAULT)); }
 
 glm::dvec3 vector_of(const std::vector<double>& numbers, const glm::dvec3& otherwise) {
-  if (numbers.size() < 3) return otherwise;
-  return {numbers[0], numbers[1], numbers[2]};
+  return numbers.size() < 3 ? otherwise : glm::make_vec3(numbers.data());
 }
 
 /// Points or cells of the extent along x, y, z.
@@ -77,8 +78,7 @@ void describe_vtkhdf(hid_t file, const std::string& path, const std::string& whe
                    first(extent[0], extent[2], extent[4]);
   glm::dmat3 direction(1);
   if (const auto rows = numbers_of(root.get(), "Direction"); rows.size() == 9)
-    for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 3; ++column) direction[column][row] = rows[std::size_t(3 * row + column)];
+    direction = glm::transpose(glm::make_mat3(rows.data()));
   const auto lattice = lattice_axes(meaning.axes);
   for (int k = 0; k < 3; ++k) meaning.axes[std::size_t(lattice[std::size_t(k)])].spacing = spacing[k];
   glm::dvec3 shift(0);
