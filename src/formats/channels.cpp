@@ -17,19 +17,10 @@
 namespace ringsplat::detail {
 namespace {
 
-constexpr std::string_view colour_names = "rgba";
-
 std::string names_of(int components, bool colours) {
   const auto numbers = fmt::format("a number from 0 to {}", components - 1);
   if (!colours) return numbers;
   return components > 3 ? "r, g, b, a or " + numbers : "r, g, b or " + numbers;
-}
-
-std::optional<int> index_of(const std::string& channel, int components, bool colours) {
-  if (const auto number = number_in<int>(channel)) return *number;
-  const auto letter = channel.size() == 1 && colours ? colour_names.find(channel[0]) : std::string_view::npos;
-  if (letter == std::string_view::npos || int(letter) >= components) return {};
-  return int(letter);
 }
 
 template <class T>
@@ -112,11 +103,13 @@ ChannelChoice choose_channel(const std::string& channel, int components, bool co
         "{}: voxels are colours, their luminance is shown; --channel r, g or b shows one of them", where);
     return {};
   }
-  const auto index = channel == "all" ? 0 : index_of(channel, components, colours);
-  if (!index || *index < 0 || *index >= components)
+  std::vector<ChannelNotes> letters;
+  if (colours) letters = {{.name = "r"}, {.name = "g"}, {.name = "b"}, {.name = "a"}};
+  const auto index = find_channel(channel, components, letters);
+  if (!index && channel != "all")
     throw InputError(fmt::format("--channel {}: {} has no such channel", channel, where),
                      fmt::format("its channels are {}", names_of(components, colours)));
-  return index;
+  return int(index.value_or(0));
 }
 
 std::optional<std::int64_t> find_channel(const std::string& channel, std::int64_t count,
