@@ -37,23 +37,14 @@ void ignore_warning(png_structp, png_const_charp) {}
 constexpr int in_native_order =
     std::endian::native == std::endian::little ? PNG_TRANSFORM_SWAP_ENDIAN : PNG_TRANSFORM_IDENTITY;
 
-/// Copies the first `channels` of each pixel; false when they cannot be read as that type.
+/// The first `channels` of each pixel, as shares of the largest value.
 template <class Stored>
-bool convert(const ImageShape& shape, png_bytepp rows, int channels, SampleType type, void* samples) {
-  const bool same = type == shape.type;
-  if (!same && type != SampleType::float32) return false;
+void convert(const ImageShape& shape, png_bytepp rows, int channels, float* samples) {
   constexpr float step = 1.0F / float(std::numeric_limits<Stored>::max());
-  std::size_t place = 0;
   for (int y = 0; y < shape.height; ++y)
     for (int x = 0; x < shape.width; ++x)
-      for (int c = 0; c < channels; ++c, ++place) {
-        const Stored value = reinterpret_cast<const Stored*>(rows[y])[x * shape.channels + c];
-        if (same)
-          static_cast<Stored*>(samples)[place] = value;
-        else
-          static_cast<float*>(samples)[place] = float(value) * step;
-      }
-  return true;
+      for (int c = 0; c < channels; ++c)
+        *samples++ = float(reinterpret_cast<const Stored*>(rows[y])[x * shape.channels + c]) * step;
 }
 
 /// A file whose pixels come as 8 or 16 bits a channel, whatever they are in it.
@@ -107,10 +98,10 @@ class PngFile final : public ImageFile {
 
   std::string read(int image, int channels, SampleType type, void* samples) override {
     if (image != 0) return "a PNG holds one image";
-    png_bytepp rows = png_get_rows(png_, info_);
-    const bool done = is_wide() ? convert<std::uint16_t>(shape(), rows, channels, type, samples)
-                                : convert<std::uint8_t>(shape(), rows, channels, type, samples);
-    return done ? std::string() : "its samples cannot be read as this type";
+    if (type != SampleType::float32) return "its samples cannot be read as this type";
+    const auto as_shares = is_wide() ? convert<std::uint16_t> : convert<std::uint8_t>;
+    as_shares(shape(), png_get_rows(png_, info_), channels, static_cast<float*>(samples));
+    return {};
   }
 
  private:
@@ -135,7 +126,7 @@ class PngFile final : public ImageFile {
 class PngWriter {
  public:
   PngWriter(const ImageData& image, Bytes& file) : image_(image), file_(file) {
-    const std::size_t row = std::size_t(image.width) * std::size_t(image.channels) * bytes_a_sample();
+    const std::size_t row = std::size_t(image.width) * std::size_t(image.channels);
     auto* const first = static_cast<png_byte*>(const_cast<void*>(image.samples));  // libpng only reads them
     for (int y = 0; y < image.height; ++y) rows_.push_back(first + std::size_t(y) * row);
     for (const auto& [name, value] : image.attributes)
@@ -154,7 +145,6 @@ class PngWriter {
   }
 
  private:
-  std::size_t bytes_a_sample() const { return image_.type == SampleType::uint8 ? 1 : 2; }
   /// Other attributes tell OpenImageIO how to write.
   static bool is_text(const std::string& name, const std::string& text) {
     return !text.empty() && name.size() < 80 && !name.starts_with("oiio:") && name != "compression";
@@ -167,11 +157,6 @@ class PngWriter {
     entry.text = const_cast<char*>(text.c_str());
     entry.text_length = text.size();
     texts_.push_back(entry);
-  }
-  int colour_type() const {
-    constexpr std::array types{PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
-                               PNG_COLOR_TYPE_RGB_ALPHA};
-    return types[std::size_t(image_.channels - 1)];
   }
 
   static void append(png_structp png, png_bytep bytes, png_size_t count) {
@@ -189,16 +174,16 @@ class PngWriter {
   bool write_all() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_set_write_fn(png_, this, append, nullptr);
-    png_set_IHDR(png_, info_, png_uint_32(image_.width), png_uint_32(image_.height),
-                 int(8 * bytes_a_sample()), colour_type(), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_IHDR(png_, info_, png_uint_32(image_.width), png_uint_32(image_.height), 8,
+                 image_.channels == 4 ? PNG_COLOR_TYPE_RGB_ALPHA : PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB_gAMA_and_cHRM(png_, info_, PNG_sRGB_INTENT_ABSOLUTE);
     if (!texts_.empty()) png_set_text(png_, info_, texts_.data(), int(texts_.size()));
     constexpr int run_lengths = 3;  // zlib's Z_RLE; both as images/image_io.cpp has them of OpenImageIO
     png_set_compression_strategy(png_, run_lengths);
     png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
     png_set_rows(png_, info_, rows_.data());
-    png_write_png(png_, info_, in_native_order, nullptr);
+    png_write_png(png_, info_, PNG_TRANSFORM_IDENTITY, nullptr);
     return true;
   }
 
@@ -226,9 +211,8 @@ class PngLibrary final : public ImageLibrary {
                     Bytes& file) const override try {
     if (!path.ends_with(".png") && !path.ends_with(".PNG"))
       return std::string("this build has no OpenImageIO and writes PNG only: ") + rebuild;
-    const bool known = image.type == SampleType::uint8 || image.type == SampleType::uint16;
-    if (!known || image.channels < 1 || image.channels > 4)
-      return "a PNG has 1 to 4 channels of 8 or 16 bits";
+    if (image.type != SampleType::uint8 || image.channels < 3 || image.channels > 4)
+      return "this build writes 3 or 4 channels of 8 bits";
     return PngWriter(image, file).write();
   } catch (const std::exception& error) {
     return error.what();
