@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <cstring>
 #include <string>
-#include <utility>
 
 #include "ringsplat/base/error.hpp"
 
@@ -23,11 +22,7 @@ MemoryFile::MemoryFile() : descriptor_(::memfd_create("ringsplat", MFD_CLOEXEC))
   if (descriptor_ < 0) fail("make");
 }
 
-MemoryFile::MemoryFile(MemoryFile&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
-
-MemoryFile::~MemoryFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
-}
+MemoryFile::~MemoryFile() { ::close(descriptor_); }
 
 std::filesystem::path MemoryFile::path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
 

@@ -11,8 +11,8 @@ class MemoryFile {
  public:
   MemoryFile();
   ~MemoryFile();
-  MemoryFile(MemoryFile&& other) noexcept;
-  MemoryFile& operator=(MemoryFile&&) = delete;
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
 
   /// Valid in this process while the object lives.
   std::filesystem::path path() const;

@@ -67,7 +67,7 @@ class Parser {
     const auto& uid = file_.transfer_syntax;
     encoding_ = {.explicit_vr = !uid.empty() && uid != "1.2.840.10008.1.2", .big_endian = file_.big_endian()};
     if (uid == "1.2.840.10008.1.2.1.99") {
-      file_.inflated.emplace();
+      file_.inflated = std::make_unique<MemoryFile>();
       inflate_from(at);
       file_.data = std::make_unique<InputFile>(file_.inflated->path());
       at = 0;

@@ -67,7 +67,7 @@ struct DicomPixels {
 
 struct DicomFile {
   std::filesystem::path path;
-  std::optional<MemoryFile> inflated;  ///< of a deflated data set; `data` then reads it
+  std::unique_ptr<MemoryFile> inflated;  ///< of a deflated data set; `data` then reads it
   std::unique_ptr<InputFile> data;
   std::string transfer_syntax, storage_class;  ///< UIDs of the file's own meta information
   std::uint64_t end = 0;                       ///< of the elements; zeros may follow
