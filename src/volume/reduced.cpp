@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <type_traits>
@@ -18,11 +17,6 @@
 
 namespace ringsplat {
 namespace {
-
-template <class T>
-void put(T value, std::size_t index, std::span<std::byte> out) {
-  std::memcpy(out.data() + index * sizeof(T), &value, sizeof(T));
-}
 
 constexpr int taps = 4;
 /// Cubic interpolation half-way between voxels. It blurs no more than the next level's kernels do anyway and,
@@ -60,7 +54,7 @@ class HalvedSource final : public ForwardingSource {
     for (int k = 0; k < taps; ++k) slices[std::size_t(k)] = slice(2 * z - 1 + k);
     const glm::ivec3 dims = source_.grid().dims;
     std::vector<double> column(std::size_t(dims.x));
-    std::size_t to = 0;
+    auto* to = reinterpret_cast<T*>(out.data());
     for (int y = 0; y < grid().dims.y; ++y) {
       std::fill(column.begin(), column.end(), 0.0);
       for (int i = 0; i < taps * taps; ++i) {
@@ -74,7 +68,7 @@ class HalvedSource final : public ForwardingSource {
         double sum = 0;
         for (int k = 0; k < taps; ++k)
           sum += weights[std::size_t(k)] * column[std::size_t(std::clamp(2 * x - 1 + k, 0, dims.x - 1))];
-        put(limited<T>(sum, cell<T>(slices, x, y, z)), to, out);
+        *to = limited<T>(sum, cell<T>(slices, x, y, z));
       }
     }
   }

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <map>
 #include <span>
 #include <vector>
@@ -194,12 +193,10 @@ std::optional<StoredVoxels> stored_in_place(hid_t dataset, const Selection& sele
     whole |= size > 1;
     first = first * std::uint64_t(dims[k]) + std::uint64_t(selection.part.first[k]);
   }
-  StoredVoxels found;
-  found.file = selection.file;
-  found.offset = std::uint64_t(offset) + first * size_of(selection.value.type);
-  found.big_endian = is_big;
-  found.type = selection.value.type;
-  return found;
+  return StoredVoxels{.file = selection.file,
+                      .offset = std::uint64_t(offset) + first * size_of(selection.value.type),
+                      .big_endian = is_big,
+                      .type = selection.value.type};
 }
 
 void require_hdf5(const std::filesystem::path& path) {

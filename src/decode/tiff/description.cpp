@@ -7,6 +7,7 @@
 #include <cstring>
 #include <set>
 #include <span>
+#include <sstream>
 #include <string_view>
 
 #include "base/hex_colour.hpp"
@@ -27,13 +28,10 @@ std::optional<std::int64_t> count_in(const Attributes& a, const char* key) {
 
 Attributes lines_of(const std::string& description) {
   Attributes lines;
-  for (std::size_t at = 0; at < description.size();) {
-    const auto end = std::min(description.find('\n', at), description.size());
-    const auto line = description.substr(at, end - at);
+  std::istringstream text(description);
+  for (std::string line; std::getline(text, line);)
     if (const auto equals = line.find('='); equals != std::string::npos)
       lines[trimmed(line.substr(0, equals))] = trimmed(line.substr(equals + 1));
-    at = end + 1;
-  }
   return lines;
 }
 

@@ -89,10 +89,7 @@ std::uint32_t DecodeProgram::new_source() {
 void DecodeProgram::close(std::uint32_t source) {
   const std::lock_guard lock(mutex_);
   if (ended_ || ::getpid() != owner_) return;
-  DecodeRequest request;
-  request.kind = DecodeRequest::Kind::close;
-  request.source = source;
-  send_message(socket_, to_bytes(request));
+  send_message(socket_, to_bytes(DecodeRequest{.kind = DecodeRequest::Kind::close, .source = source}));
   static_cast<void>(::ftruncate(memory_, 0));  // the next request makes it as large as it needs
 }
 
