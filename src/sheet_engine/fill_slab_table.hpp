@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <span>
 
 #include "sheet_engine/slab_table.hpp"
@@ -16,5 +17,10 @@ struct SlabEntry {
   double opacity, red, green, blue, centroid, spread;
 };
 std::uint64_t packed(const SlabEntry& entry);
+
+/// Extinction of an opacity per unit length. That of opacity 1 would be infinite.
+double extinction(double opacity);
+/// The table entry of a uniform medium, without steepness.
+std::uint64_t uniform_slab(double extinction, const glm::dvec3& colour, double length);
 
 }  // namespace ringsplat

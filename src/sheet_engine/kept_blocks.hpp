@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "ringsplat/volume/voxel_box.hpp"
+#include "sheet_engine/place_map.hpp"
 #include "sheet_engine/sheet_payload.hpp"
-#include "sheet_engine/value_scale.hpp"
 
 namespace ringsplat {
 

@@ -4,19 +4,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
 #include "ringsplat/base/error.hpp"
-#include "sheet_engine/sheet_light.hpp"
 
 namespace ringsplat {
 
 namespace {
 
-struct Axes {
-  int u, v, k;
-};
-Axes axes_of(const FrameGeometry& g) {
+/// u, v and k, the traversed one.
+glm::ivec3 axes_of(const FrameGeometry& g) {
   const auto [u, v] = in_plane(g.traversal.axis);
   return {u, v, static_cast<int>(g.traversal.axis)};
 }
@@ -29,16 +27,15 @@ void check_reach(const FrameGeometry& g, double voxels, const char* what_else) {
 }
 
 SheetRays parallel_rays(const FrameGeometry& g) {
-  const auto [u, v, k] = axes_of(g);
+  const glm::ivec3 axes = axes_of(g);
   const glm::dmat2 to_lattice =
-      glm::inverse(glm::dmat2(glm::dvec2(g.view.linear[u]), glm::dvec2(g.view.linear[v])));
+      glm::inverse(glm::dmat2(glm::dvec2(g.view.linear[axes.x]), glm::dvec2(g.view.linear[axes.y])));
   const glm::dvec2 origin = to_lattice * (glm::dvec2(0.5) - glm::dvec2(g.view.offset)),
-                   shear = to_lattice * glm::dvec2(g.view.linear[k]);
+                   shear = to_lattice * glm::dvec2(g.view.linear[axes.z]);
   SheetRays rays;
-  rays.voxels[0] = g.grid.dims[u];
-  rays.voxels[1] = g.grid.dims[v];
   rays.patches = true;
   for (int i = 0; i < 2; ++i) {
+    rays.voxels[i] = g.grid.dims[axes[i]];
     check_reach(g, rays.voxels[i] + std::abs(shear[i]) * g.slices,
                 "use --engine splats, --undersample, or another view");
     constexpr double unit = double(std::int64_t{1} << 40), most_seen = 1 << 22;
@@ -72,8 +69,8 @@ double steepest_in_picture(const EyeGrid& eye, int i, int width, int height) {
 
 /// The rays, but for what bounds them.
 EyeGrid make_eye_grid(const FrameGeometry& g) {
-  const auto [u, v, k] = axes_of(g);
-  const int axes[] = {u, v};
+  const glm::ivec3 axes = axes_of(g);
+  const int k = axes.z;
   const glm::dvec3 middle = 0.5 * glm::dvec3(g.grid.dims - 1), centre = g.view.project(middle),
                    eye = g.view.project(*g.view.eye), central = middle - *g.view.eye;
   // A pixel's ray goes through the point at the central one's depth that it shows. There, a pixel is so
@@ -100,10 +97,58 @@ EyeGrid make_eye_grid(const FrameGeometry& g) {
   return grid;
 }
 
+/// Orthonormal coordinates of the world in which gradients are an upper triangle times differences along u, v
+/// and the traversed axis, in front to back order.
+struct GradientAxes {
+  glm::dvec3 basis[3];
+  double upper[3][3] = {};
+};
+
+GradientAxes gradient_axes(const FrameGeometry& g) {
+  const Grid& grid = g.grid;
+  const glm::dmat3 inverse = glm::inverse(grid.direction);
+  const double smallest = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  const glm::ivec3 axes = axes_of(g);
+  // A gradient is a covector: it is mapped to the world by the inverse transpose. Surfaces face away from
+  // higher values.
+  glm::dvec3 world[3];
+  for (int i = 0; i < 3; ++i) {
+    const int k = axes[i];
+    world[i] = -(smallest / grid.spacing[k]) * glm::dvec3(inverse[0][k], inverse[1][k], inverse[2][k]);
+  }
+  if (!g.traversal.ascending) world[2] = -world[2];
+
+  // Gram and Schmidt: world = basis · upper triangle.
+  GradientAxes to;
+  for (int i = 0; i < 3; ++i) {
+    glm::dvec3 rest = world[i];
+    for (int k = 0; k < i; ++k) {
+      to.upper[k][i] = glm::dot(to.basis[k], world[i]);
+      rest -= to.upper[k][i] * to.basis[k];
+    }
+    to.upper[i][i] = glm::length(rest);
+    to.basis[i] = rest / to.upper[i][i];
+  }
+  return to;
+}
+
+/// Sets what rays of a perspective frame need to know of lengths and of gradient_light()'s coordinates.
+void set_lengths(const SheetFrame& frame, EyeGrid& eye) {
+  const FrameGeometry& g = frame.geometry;
+  const Grid& grid = g.grid;
+  const GradientAxes axes = gradient_axes(g);
+  const glm::ivec3 lattice = axes_of(g);
+  const double unit = frame.unit_length();
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      eye.axes[i][k] = static_cast<float>(
+          glm::dot(axes.basis[i], grid.direction[lattice[k]] * (grid.spacing[lattice[k]] / unit)));
+  eye.table_length = frame.by_length() ? static_cast<float>(frame.step_length()) : 0;
+}
+
 SheetRays rays_from_eye(const SheetFrame& frame) {
   const FrameGeometry& g = frame.geometry;
-  const auto [u, v, k] = axes_of(g);
-  const int axes[] = {u, v};
+  const glm::ivec3 axes = axes_of(g);
   SheetRays rays;
   EyeGrid& eye = rays.eye.emplace(make_eye_grid(g));
   const double half_slices = 0.5 * g.slices, to_volume = std::abs(double(eye.to_middle)) - half_slices;
@@ -123,6 +168,36 @@ SheetRays rays_from_eye(const SheetFrame& frame) {
 }
 
 }  // namespace
+
+GradientLight gradient_light(const SheetFrame& frame, double most) {
+  const FrameGeometry& g = frame.geometry;
+  const auto [basis, upper] = gradient_axes(g);
+  const ViewTransform& view = g.view;
+  const Shown& shown = frame.shown;
+  const glm::dvec3 to_light =
+      glm::normalize(view.right * shown.light.x + view.up * shown.light.y + view.to_viewer * shown.light.z);
+  const double scale = most > 0 ? 1 / most : 1;
+  const auto scaled = [scale](double x) { return static_cast<float>(x * scale); };
+  GradientLight light;
+  light.uu = scaled(upper[0][0]);
+  light.uv = scaled(upper[0][1]);
+  light.uk = scaled(upper[0][2]);
+  light.vv = scaled(upper[1][1]);
+  light.vk = scaled(upper[1][2]);
+  light.kk = scaled(upper[2][2]);
+  const auto mixed = [&](int i, int k) { return std::abs(upper[i][k]) > 1e-12 * upper[k][k]; };
+  light.oblique = mixed(0, 1) || mixed(0, 2) || mixed(1, 2);
+  for (int i = 0; i < 3; ++i) {
+    light.light[i] = static_cast<float>(glm::dot(basis[i], to_light));
+    light.viewer[i] = static_cast<float>(glm::dot(basis[i], view.to_viewer));
+  }
+  light.between = static_cast<float>(glm::dot(to_light, view.to_viewer));
+  light.ambient = static_cast<float>(shown.material.ambient);
+  light.diffuse = static_cast<float>(shown.material.diffuse);
+  light.specular = static_cast<float>(shown.material.specular);
+  light.exponent = static_cast<float>(shown.material.exponent);
+  return light;
+}
 
 SheetRays make_sheet_rays(const SheetFrame& frame) {
   return frame.geometry.view.eye ? rays_from_eye(frame) : parallel_rays(frame.geometry);

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "sheet_engine/fill_slab_table.hpp"
-#include "sheet_engine/uniform_slab.hpp"
 
 namespace ringsplat {
 namespace {

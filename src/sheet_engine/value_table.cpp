@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sheet_engine/uniform_slab.hpp"
+#include "sheet_engine/fill_slab_table.hpp"
 
 namespace ringsplat {
 
