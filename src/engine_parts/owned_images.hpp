@@ -24,6 +24,7 @@ class OwnedImages {
     return region >= 0 && std::size_t(region) < slot_of_region_.size() &&
            slot_of_region_[std::size_t(region)] != not_owned;
   }
+  const std::vector<int>& owned() const { return owned_; }  ///< ascending, by their images
   /// Index of an owned region's image.
   std::size_t slot_of(int region) const { return slot_of_region_[std::size_t(region)]; }
 
@@ -38,7 +39,7 @@ class OwnedImages {
   int renderer_, renderers_;
   Regions regions_;
   RegionOwners owners_;
-  std::vector<int> owned_;                   ///< owned regions, ascending
+  std::vector<int> owned_;                   ///< regions
   std::vector<RegionImage> images_;          ///< one for each owned region
   std::vector<std::size_t> slot_of_region_;  ///< into images_
   std::map<int, std::vector<int>> told_;     ///< by GP: for each owned region, the opaque tiles it knows of

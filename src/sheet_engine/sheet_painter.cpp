@@ -45,7 +45,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void begin_frame(std::shared_ptr<const SheetFrame> frame) override {
     frame_ = std::move(frame);
     images_.begin_frame(geometry(), frame_->shown.opaque_threshold);
-    tiles_.lay_out(geometry(), images_);
+    tiles_.lay_out(geometry().regions, images_.owned());
     rays_ = make_sheet_rays(*frame_);
     windows_.emplace(geometry());
     slabs_.clear();

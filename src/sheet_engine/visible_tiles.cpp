@@ -14,17 +14,16 @@ unsigned bits(int first, int last) { return (0xFU >> (3 - last)) & (0xFU << firs
 
 }  // namespace
 
-void VisibleTiles::lay_out(const FrameGeometry& geometry, const OwnedImages& images) {
-  images_ = &images;
-  all_ = geometry.regions;
-  regions_.clear();
+void VisibleTiles::lay_out(const Regions& all, const std::vector<int>& some) {
+  all_ = all;
+  regions_.assign(std::size_t(all.count()), {});
   groups_.clear();
   masks_.clear();
-  for (std::size_t slot = 0; slot < images.count(); ++slot) {
-    const PixelRect& rect = images.image(slot).rect();
+  for (std::size_t slot = 0; slot < some.size(); ++slot) {
+    const PixelRect rect = all.rect(some[slot]);
     const int columns = (rect.width() + group_side - 1) / group_side,
               rows = (rect.height() + group_side - 1) / group_side;
-    regions_.push_back({rect, groups_.size(), columns});
+    regions_[std::size_t(some[slot])] = {rect, groups_.size(), columns};
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column) groups_.push_back({slot, column, row});
   }
@@ -36,8 +35,10 @@ bool VisibleTiles::mark(const PixelWindow& pixels) {
   bool any = false;
   for (int y = touched.y0; y < touched.y1; ++y)
     for (int x = touched.x0; x < touched.x1; ++x)
-      if (const int region = y * all_.columns() + x; images_->owns(region))
-        any |= mark_region(regions_[images_->slot_of(region)], pixels, masks);
+      if (const Region& region = regions_[std::size_t(y * all_.columns() + x)]; region.columns > 0) {
+        mark_region(region, pixels, masks);
+        any = true;
+      }
   return any;
 }
 
@@ -48,7 +49,7 @@ std::size_t VisibleTiles::marked() const {
   return tiles;
 }
 
-bool VisibleTiles::mark_region(const Region& region, const PixelWindow& pixels, TileMask* masks) {
+void VisibleTiles::mark_region(const Region& region, const PixelWindow& pixels, TileMask* masks) {
   const PixelRect& rect = region.rect;
   const auto tile = [](std::int64_t pixel, int first, int end) {
     return int(std::clamp<std::int64_t>(pixel, first, end - 1) - first) / tile_side;
@@ -67,7 +68,6 @@ bool VisibleTiles::mark_region(const Region& region, const PixelWindow& pixels, 
       here = TileMask(here | mask);
     }
   }
-  return true;
 }
 
 }  // namespace ringsplat

@@ -2,23 +2,22 @@
 #include <cstddef>
 #include <vector>
 
-#include "engine_parts/owned_images.hpp"
 #include "screen/regions.hpp"
 #include "sheet_engine/paint_group.hpp"
 
 namespace ringsplat {
 
-/// The groups of pixels of a Renderer's regions, and which of their tiles each pending slab may show.
+/// The groups of pixels of some regions, and which of their tiles each pending slab may show.
 class VisibleTiles {
  public:
-  /// A group of pixels in an owned region.
+  /// A group of pixels in one of the regions.
   struct Group {
-    std::size_t slot;  ///< of the region in OwnedImages
+    std::size_t slot;  ///< the region's place among them
     int column, row;   ///< in groups, within the region
   };
 
-  /// Lays out the groups of all owned regions.
-  void lay_out(const FrameGeometry& geometry, const OwnedImages& images);
+  /// Lays out the groups of `some` of the regions.
+  void lay_out(const Regions& all, const std::vector<int>& some);
   /// Forgets all slabs.
   void clear() { masks_.clear(); }
   /// Adds a slab; mark() then marks its tiles.
@@ -45,11 +44,10 @@ class VisibleTiles {
     std::size_t first_group = 0;
     int columns = 0;  ///< of groups
   };
-  bool mark_region(const Region& region, const PixelWindow& pixels, TileMask* masks);
+  static void mark_region(const Region& region, const PixelWindow& pixels, TileMask* masks);
 
-  const OwnedImages* images_ = nullptr;
   Regions all_;
-  std::vector<Region> regions_;  ///< by slot
+  std::vector<Region> regions_;  ///< of all; those that are not laid out have no columns
   std::vector<Group> groups_;
   std::vector<TileMask> masks_;  ///< [slab][group]
 };

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -8,9 +9,9 @@
 #include "engine_parts/frame_engine.hpp"
 #include "net/message.hpp"
 #include "sheet_engine/block_windows.hpp"
-#include "sheet_engine/paint_group.hpp"
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/transparent_values.hpp"
+#include "sheet_engine/visible_tiles.hpp"
 #include "simulate/meter.hpp"
 #include "volume/cell_ranges.hpp"
 
@@ -25,72 +26,43 @@ class SampleCounter {
   /// `finer`: as of BlockWindows.
   explicit SampleCounter(const SheetFrame& frame, int finer = 1)
       : frame_(frame), windows_(frame.geometry, finer) {
-    std::size_t tiles = 0;
-    const Regions& regions = frame.geometry.regions;
-    for (int region = 0; region < regions.count(); ++region) {
-      const PixelRect rect = regions.rect(region);
-      const int columns = (rect.width() + tile_side - 1) / tile_side,
-                rows = (rect.height() + tile_side - 1) / tile_side;
-      regions_.push_back({rect, tiles, columns});
-      tiles += std::size_t(columns) * std::size_t(rows);
-    }
-    before_.resize(tiles);
-    behind_.resize(tiles);
+    for (int region = 0; region < int(frame.plan.tiles.size()); ++region)
+      if (renderer_of(region) != FramePlan::nobody) drawn_.push_back(region);
+    for (VisibleTiles* tiles : {&before_, &behind_}) tiles->lay_out(frame.geometry.regions, drawn_);
   }
 
   /// Begins the slice of a step.
-  void begin(int step, int renderers) {
+  void begin(int step) {
     step_ = step;
-    samples_.assign(std::size_t(renderers), 0);
-    if (step == 0) std::fill(before_.begin(), before_.end(), false);
-    std::fill(behind_.begin(), behind_.end(), false);
+    for (VisibleTiles* tiles : {&before_, &behind_}) {
+      tiles->clear();
+      tiles->add_slab();
+    }
   }
   /// Adds a block with visible cells.
   void add(int column, int row) {
     const int slice = frame_.slice_at(step_);
-    if (step_ == 0) mark(windows_.before_first.of(column, row, slice), before_);
-    mark(windows_.behind(step_).of(column, row, slice), behind_);
+    if (step_ == 0) before_.mark(windows_.before_first.of(column, row, slice));
+    behind_.mark(windows_.behind(step_).of(column, row, slice));
   }
   /// By Renderer.
-  const std::vector<std::uint64_t>& samples() const { return samples_; }
+  std::vector<std::uint64_t> samples(std::size_t renderers) const {
+    std::vector<std::uint64_t> samples(renderers, 0);
+    for (const VisibleTiles* tiles : {&before_, &behind_})
+      for (std::size_t g = 0; g < tiles->groups().size(); ++g)
+        samples[std::size_t(renderer_of(drawn_[tiles->groups()[g].slot]))] +=
+            std::uint64_t(std::popcount(*tiles->masks_of(g)) * tile_side * tile_side);
+    return samples;
+  }
 
  private:
-  struct Region {
-    PixelRect rect;
-    std::size_t first_tile = 0;
-    int columns = 0;  ///< of tiles
-  };
-
-  void mark(const PixelWindow& pixels, std::vector<bool>& marked) {
-    const Regions& all = frame_.geometry.regions;
-    const PixelRect touched = all.touched(pixels.x0, pixels.y0, pixels.x1, pixels.y1);
-    const auto tile = [](std::int64_t pixel, int first, int end) {
-      return int(std::clamp<std::int64_t>(pixel, first, end - 1) - first) / tile_side;
-    };
-    for (int y = touched.y0; y < touched.y1; ++y)
-      for (int x = touched.x0; x < touched.x1; ++x) {
-        const auto number = std::size_t(y * all.columns() + x);
-        const int renderer = frame_.plan.tiles[number].renderer;
-        if (renderer == FramePlan::nobody) continue;
-        const auto& [rect, first, columns] = regions_[number];
-        const int left = tile(pixels.x0, rect.x0, rect.x1), right = tile(pixels.x1, rect.x0, rect.x1),
-                  top = tile(pixels.y0, rect.y0, rect.y1), bottom = tile(pixels.y1, rect.y0, rect.y1);
-        for (int v = top; v <= bottom; ++v)
-          for (int u = left; u <= right; ++u) {
-            const std::size_t here = first + std::size_t(v) * std::size_t(columns) + std::size_t(u);
-            if (!marked[here]) samples_[std::size_t(renderer)] += tile_side * tile_side;
-            marked[here] = true;
-          }
-      }
-  }
+  int renderer_of(int region) const { return frame_.plan.tiles[std::size_t(region)].renderer; }
 
   const SheetFrame& frame_;
   SlabWindows windows_;
-  std::vector<Region> regions_;
+  std::vector<int> drawn_;  ///< regions
   int step_ = 0;
-  /// By tile: marked in the slab before the first slice, behind this one.
-  std::vector<bool> before_, behind_;
-  std::vector<std::uint64_t> samples_;
+  VisibleTiles before_, behind_;  ///< of the slab before the first slice, and of that behind this one
 };
 
 class SheetMeter final : public Meter {
@@ -100,11 +72,12 @@ class SheetMeter final : public Meter {
 
   std::vector<PaintWork> work_of(int step, const std::vector<EncodedPart>& parts) override {
     std::vector<PaintWork> work(parts.size());
-    samples_.begin(step, int(parts.size()));
+    samples_.begin(step);
     for (std::size_t r = 0; r < parts.size(); ++r)
       if (!parts[r].payload.empty())
         work[r].blocks = look_at(std::span<const std::byte>(parts[r].payload).subspan(sizeof(Header)));
-    for (std::size_t r = 0; r < parts.size(); ++r) work[r].samples = samples_.samples()[r];
+    const auto samples = samples_.samples(parts.size());
+    for (std::size_t r = 0; r < parts.size(); ++r) work[r].samples = samples[r];
     return work;
   }
 
@@ -161,7 +134,7 @@ class WeighedEncoder final : public Encoder {
     counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height)};
     counts_.blocks = std::uint64_t(columns_) * std::uint64_t(rows_);
     seen_blocks_ = 0;
-    samples_.begin(step, int(parts_.size()));
+    samples_.begin(step);
     std::fill(parts_.begin(), parts_.end(), Part{});
     std::fill(tile_marked_.begin(), tile_marked_.end(), false);
     visible_.assign(std::size_t(counts_.blocks), false);
@@ -183,8 +156,9 @@ class WeighedEncoder final : public Encoder {
     step.counts = counts_;
     constexpr std::uint64_t voxels = CellRanges::side * CellRanges::side;
     step.counts.visible = std::min(counts_.voxels, seen_blocks_ * voxels / std::uint64_t(finer_ * finer_));
+    const auto samples = samples_.samples(parts_.size());
     for (std::size_t r = 0; r < parts_.size(); ++r)
-      if (parts_[r].present > 0) write(parts_[r], samples_.samples()[r], step.parts[r]);
+      if (parts_[r].present > 0) write(parts_[r], samples[r], step.parts[r]);
     for (std::size_t region = 0; region < tile_marked_.size(); ++region)
       if (tile_marked_[region])
         step.parts[std::size_t(frame_->plan.tiles[region].renderer)].tiles.push_back(int(region));
