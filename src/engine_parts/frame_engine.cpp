@@ -116,11 +116,6 @@ std::unique_ptr<Canvas> make_picture_canvas(std::int64_t number, const Shown& sh
   return std::make_unique<PictureCanvas>(number, shown, std::move(geometry), std::move(take));
 }
 
-EncodeCounts left_out_of(const FrameGeometry& geometry, std::size_t steps) {
-  const auto voxels = steps * std::uint64_t(geometry.grid.slice_voxels(geometry.traversal.axis));
-  return {.voxels = voxels, .outside = voxels};
-}
-
 void check_loaded(const SliceStore& store, Axis traversed, std::int64_t number) {
   if (!store.keeps(traversed))
     throw RunError(

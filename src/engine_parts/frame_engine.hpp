@@ -38,9 +38,6 @@ class RegionDealer {
   ShownPoints shown_;
 };
 
-/// What a GP counts for `steps` of its steps when no Renderer has a tile (Encoder::left_out()).
-EncodeCounts left_out_of(const FrameGeometry& geometry, std::size_t steps);
-
 /// Throws RunError unless the store has the slices that frame `number` traverses.
 void check_loaded(const SliceStore& store, Axis traversed, std::int64_t number);
 
@@ -49,6 +46,34 @@ void check_step(int renderer, int step, int slices);
 
 /// What rank 0 announced. Throws RunError when the bytes are no description of that frame.
 FrameSpec announced_spec(const Announcement& announcement);
+
+/// A GP's encoder of one frame of slices in a store, which must outlive it. Throws RunError when the slices
+/// that the frame traverses were not loaded.
+template <class Frame>
+class FrameEncoder : public Encoder {
+ public:
+  FrameEncoder(std::shared_ptr<const Frame> frame, const SliceStore& store)
+      : frame_(std::move(frame)), whole_store_(store), store_(store.level(frame_->shown.reduction.factor)) {
+    check_loaded(store_, axis(), frame_->number);
+  }
+
+  EncodeCounts left_out(std::size_t steps) const override {
+    const auto voxels = steps * std::uint64_t(geometry().grid.slice_voxels(axis()));
+    return {.voxels = voxels, .outside = voxels};
+  }
+  std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
+
+ protected:
+  const FrameGeometry& geometry() const { return frame_->geometry; }
+  Axis axis() const { return geometry().traversal.axis; }
+  int slice_at(int step) const { return geometry().traversal.slice_at(step, geometry().slices); }
+  SliceView slice(int step) const { return store_.slice(axis(), slice_at(step), geometry().box); }
+  int owner_of(int region) const { return frame_->plan.tiles[std::size_t(region)].renderer; }
+
+  std::shared_ptr<const Frame> frame_;
+  const SliceStore& whole_store_;
+  const SliceStore& store_;  ///< the frame's level
+};
 
 /// A Renderer's painter, which keeps its buffers from frame to frame.
 template <class Frame>

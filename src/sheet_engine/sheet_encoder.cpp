@@ -25,18 +25,15 @@ constexpr int side = CellRanges::side;
 
 /// Sends each Renderer the blocks of a slice that its pixels can show. Blocks and their voxels are copied as
 /// they are; all else is the Renderer's work.
-class SheetEncoder final : public Encoder {
+class SheetEncoder final : public FrameEncoder<SheetFrame> {
  public:
   SheetEncoder(std::shared_ptr<const SheetFrame> frame, int renderers, const SliceStore& store,
                SliceBlocks& blocks, bool skip_empty, KeptBlocks* kept)
-      : frame_(std::move(frame)),
-        whole_store_(store),
-        store_(store.level(frame_->shown.reduction.factor)),
+      : FrameEncoder(std::move(frame), store),
         blocks_(blocks),
         skip_empty_(skip_empty),
         windows_(geometry(), frame_->reach(), frame_->reach(), frame_->reach()),
         parts_(std::size_t(renderers)) {
-    check_loaded(store_, axis(), frame_->number);
     check_ranges_known();
     const Regions& regions = geometry().regions;
     for (int region = 0; region < regions.count(); ++region) {
@@ -54,14 +51,12 @@ class SheetEncoder final : public Encoder {
       may_show = shown_slices(store_, geometry().box, axis(), frame_->reach(), frame_->transparent);
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
-      if (may_show[std::size_t(frame_->slice_at(step))]) steps.push_back(step);
+      if (may_show[std::size_t(slice_at(step))]) steps.push_back(step);
     return steps;
   }
 
-  EncodeCounts left_out(std::size_t steps) const override { return left_out_of(geometry(), steps); }
-
   void begin(int step) override {
-    slice_ = store_.slice(axis(), frame_->slice_at(step), geometry().box);
+    slice_ = slice(step);
     columns_ = CellRanges::blocks_along(slice_.width);
     states_ = blocks_.of(store_, geometry().box, axis(), slice_.index, frame_->reach(), frame_->transparent);
     counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height),
@@ -102,7 +97,6 @@ class SheetEncoder final : public Encoder {
   void take_news(std::span<const std::byte> news) override {
     if (!news.empty()) read_opaque_news(news, opaque_);
   }
-  std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
 
  private:
   /// What one Renderer is told of a block, by its byte in the payload.
@@ -130,10 +124,6 @@ class SheetEncoder final : public Encoder {
         if (one.byte >= block_present) held[one.block / 64] |= std::uint64_t{1} << (one.block % 64);
     }
   };
-
-  const FrameGeometry& geometry() const { return frame_->geometry; }
-  Axis axis() const { return geometry().traversal.axis; }
-  int owner_of(int region) const { return frame_->plan.tiles[std::size_t(region)].renderer; }
 
   int block_width(int column) const { return std::min(side, slice_.width - column * side); }
   int block_height(int row) const { return std::min(side, slice_.height - row * side); }
@@ -271,9 +261,6 @@ class SheetEncoder final : public Encoder {
       }
   }
 
-  std::shared_ptr<const SheetFrame> frame_;
-  const SliceStore& whole_store_;
-  const SliceStore& store_;  ///< the frame's level
   SliceBlocks& blocks_;
   bool skip_empty_;
   BlockWindows windows_;

@@ -105,30 +105,24 @@ class SheetMeter final : public Meter {
 
 /// Counts what a SheetEncoder would send of slices that have `finer` times as many voxels along each side.
 /// What is between this slice's voxels is linear, and the slices beside it are alike.
-class WeighedEncoder final : public Encoder {
+class WeighedEncoder final : public FrameEncoder<SheetFrame> {
  public:
   WeighedEncoder(std::shared_ptr<const SheetFrame> frame, int renderers, const SliceStore& store,
                  double voxel_weight)
-      : frame_(std::move(frame)),
-        whole_store_(store),
-        store_(store.level(frame_->shown.reduction.factor)),
+      : FrameEncoder(std::move(frame), store),
         finer_(std::max(1, int(std::lround(std::sqrt(voxel_weight))))),
         windows_(geometry(), frame_->reach(), frame_->reach(), frame_->reach(), finer_),
         samples_(*frame_, finer_),
         parts_(std::size_t(renderers)),
-        tile_marked_(std::size_t(geometry().regions.count())) {
-    check_loaded(store_, axis(), frame_->number);
-  }
+        tile_marked_(std::size_t(geometry().regions.count())) {}
 
   std::vector<int> shown() override {
     std::vector<int> steps(std::size_t(geometry().slices));
     for (int step = 0; step < geometry().slices; ++step) steps[std::size_t(step)] = step;
     return steps;
   }
-  EncodeCounts left_out(std::size_t steps) const override { return left_out_of(geometry(), steps); }
-
   void begin(int step) override {
-    slice_ = store_.slice(axis(), frame_->slice_at(step), geometry().box);
+    slice_ = slice(step);
     columns_ = CellRanges::blocks_along(slice_.width * finer_);
     rows_ = CellRanges::blocks_along(slice_.height * finer_);
     counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height)};
@@ -160,13 +154,11 @@ class WeighedEncoder final : public Encoder {
     for (std::size_t r = 0; r < parts_.size(); ++r)
       if (parts_[r].present > 0) write(parts_[r], samples[r], step.parts[r]);
     for (std::size_t region = 0; region < tile_marked_.size(); ++region)
-      if (tile_marked_[region])
-        step.parts[std::size_t(frame_->plan.tiles[region].renderer)].tiles.push_back(int(region));
+      if (tile_marked_[region]) step.parts[std::size_t(owner_of(int(region)))].tiles.push_back(int(region));
     return step;
   }
 
   void take_news(std::span<const std::byte>) override {}
-  std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
 
  private:
   /// The blocks for one Renderer, as many as come.
@@ -178,8 +170,6 @@ class WeighedEncoder final : public Encoder {
     std::uint64_t in_row() const { return std::uint64_t(last_in_row - first_in_row + 1); }
   };
 
-  const FrameGeometry& geometry() const { return frame_->geometry; }
-  Axis axis() const { return geometry().traversal.axis; }
   bool at(int column, int row) const {
     return visible_[std::size_t(row) * std::size_t(columns_) + std::size_t(column)];
   }
@@ -229,10 +219,9 @@ class WeighedEncoder final : public Encoder {
     const std::int64_t number = std::int64_t{row} * columns_ + column;
     for (int y = touched.y0; y < touched.y1; ++y)
       for (int x = touched.x0; x < touched.x1; ++x) {
-        const auto region = std::size_t(y * regions.columns() + x);
-        const int renderer = frame_->plan.tiles[region].renderer;
+        const int region = y * regions.columns() + x, renderer = owner_of(region);
         if (renderer == FramePlan::nobody) continue;
-        tile_marked_[region] = true;
+        tile_marked_[std::size_t(region)] = true;
         Part& part = parts_[std::size_t(renderer)];
         if (part.last == number) continue;
         part.last = number;
@@ -257,9 +246,6 @@ class WeighedEncoder final : public Encoder {
     out.passes = 1;
   }
 
-  std::shared_ptr<const SheetFrame> frame_;
-  const SliceStore& whole_store_;
-  const SliceStore& store_;
   int finer_;
   BlockWindows windows_;
   SampleCounter samples_;

@@ -21,56 +21,50 @@ namespace {
 
 /// Encodes slices in bands of rows, one for each thread. Payloads join the bands' parts in the order of rows,
 /// so their bytes do not depend on the number of bands.
-class SliceEncoder final : public Encoder {
+class SliceEncoder final : public FrameEncoder<SplatFrame> {
  public:
   SliceEncoder(std::shared_ptr<const SplatFrame> frame, int renderers, const SliceStore& store,
                EmptySpace& empty_space, ThreadTeam& threads, bool skip_empty)
-      : announced_(std::move(frame)),
-        whole_store_(store),
-        store_(store.level(announced_->shown.reduction.factor)),
+      : FrameEncoder(std::move(frame), store),
         empty_space_(empty_space),
         threads_(threads),
         skip_empty_(skip_empty),
         renderers_(renderers),
         last_bytes_(std::size_t(renderers)) {
-    check_loaded(store_, geometry().traversal.axis, announced_->number);
-    if (announced_->shown.shading == Shading::phong && !store_.has_normals())
-      throw RunError(fmt::format("frame {} is shaded, but no normals were loaded", announced_->number),
+    if (frame_->shown.shading == Shading::phong && !store_.has_normals())
+      throw RunError(fmt::format("frame {} is shaded, but no normals were loaded", frame_->number),
                      "load them with --shading phong");
-    if (announced_->shown.shading == Shading::phong && store_.normals_within() != geometry().box)
+    if (frame_->shown.shading == Shading::phong && store_.normals_within() != geometry().box)
       throw RunError(
           fmt::format("frame {} is lit within another clip box than its splats' normals were made for",
-                      announced_->number),
+                      frame_->number),
           "load the volume with this clip box, or draw sheets, whose gradients are made frame by frame");
   }
 
   std::vector<int> shown() override {
-    const Axis axis = geometry().traversal.axis;
     // Of the whole volume, other GPs' too.
-    std::vector<bool> may_show(std::size_t(store_.grid().slices(axis)), true);
+    std::vector<bool> may_show(std::size_t(store_.grid().slices(axis())), true);
     if (skip_empty_ && store_.ranges() != nullptr)
-      for (const SliceRange& range : store_.ranges()->of(axis))
+      for (const SliceRange& range : store_.ranges()->of(axis()))
         may_show[std::size_t(range.slice)] =
-            announced_->shown.transfer_function.visible_within(range.low, range.high);
-    const int first = geometry().box.first[static_cast<int>(axis)];
+            frame_->shown.transfer_function.visible_within(range.low, range.high);
+    const int first = geometry().box.first[static_cast<int>(axis())];
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
       if (may_show[std::size_t(first + slice_at(step))]) steps.push_back(step);
     return steps;
   }
 
-  EncodeCounts left_out(std::size_t steps) const override { return left_out_of(geometry(), steps); }
-
   void begin(int step) override {
-    if (!frame_) frame_.emplace(*announced_);
-    const SliceView slice = store_.slice(geometry().traversal.axis, slice_at(step), geometry().box);
+    if (!shared_) shared_.emplace(*frame_);
+    const SliceView slice = this->slice(step);
     voxels_ = std::uint64_t(slice.width) * std::uint64_t(slice.height);
-    VisibleVoxels& visible = empty_space_.voxels(slice, announced_->shown.transfer_function, geometry().box);
+    VisibleVoxels& visible = empty_space_.voxels(slice, frame_->shown.transfer_function, geometry().box);
     const std::vector<int> bounds = row_bounds(visible.runs(), slice.height, threads_.size());
     bands_in_use_ = bounds.size() - 1;
     while (bands_.size() < bands_in_use_)
-      bands_.push_back(announced_->splats.payload == PayloadForm::words ? make_word_band(*frame_)
-                                                                        : make_run_band(*frame_));
+      bands_.push_back(frame_->splats.payload == PayloadForm::words ? make_word_band(*shared_)
+                                                                    : make_run_band(*shared_));
     complete_.assign(bands_in_use_, 0);
     for (std::size_t k = 0; k < bands_in_use_; ++k)
       bands_[k]->begin(slice, visible, bounds[k], bounds[k + 1]);
@@ -90,10 +84,11 @@ class SliceEncoder final : public Encoder {
       encoded.counts.outside += band->voxels_outside();
     }
     for (const int region : used_regions()) {
-      EncodedPart& part = encoded.parts[owner_of(region)];
+      const auto owner = std::size_t(owner_of(region));
+      EncodedPart& part = encoded.parts[owner];
       if (part.payload.empty()) {
         part.payload = Message::body_buffer();
-        part.payload.reserve(last_bytes_[owner_of(region)]);
+        part.payload.reserve(last_bytes_[owner]);
       }
       bands_.front()->append_parts(region, bands(), part.payload);
       const RegionCounts counts = counts_of(region);
@@ -108,9 +103,8 @@ class SliceEncoder final : public Encoder {
   }
 
   void take_news(std::span<const std::byte> news) override {
-    if (frame_) read_opaque_news(news, frame_->opaque);
+    if (shared_) read_opaque_news(news, shared_->opaque);
   }
-  std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
 
  private:
   /// Encodes a piece of a band, limited by its cost: visible voxels, or many transparent ones. Messages wait
@@ -118,13 +112,6 @@ class SliceEncoder final : public Encoder {
   void encode_some(std::size_t band) {
     const int pieces_at_once = bands_in_use_ > 1 ? 4 : 1;
     if (!complete_[band]) complete_[band] = bands_[band]->work(1024 * pieces_at_once, 16384 * pieces_at_once);
-  }
-
-  const FrameGeometry& geometry() const { return announced_->geometry; }
-  int slice_at(int step) const { return geometry().traversal.slice_at(step, geometry().slices); }
-  /// The Renderer of a region that voxels can reach.
-  std::size_t owner_of(int region) const {
-    return std::size_t(announced_->plan.tiles[std::size_t(region)].renderer);
   }
 
   std::span<const std::unique_ptr<RowBand>> bands() const { return std::span(bands_).first(bands_in_use_); }
@@ -151,15 +138,12 @@ class SliceEncoder final : public Encoder {
     return sum;
   }
 
-  std::shared_ptr<const SplatFrame> announced_;
-  const SliceStore& whole_store_;
-  const SliceStore& store_;  ///< the frame's level
   EmptySpace& empty_space_;
   ThreadTeam& threads_;
   bool skip_empty_;
   int renderers_;
   std::vector<std::size_t> last_bytes_;  ///< by Renderer: about as many as its last payload had
-  std::optional<EncoderFrame> frame_;    ///< made for the first slice: a GP may have none
+  std::optional<EncoderFrame> shared_;   ///< made for the first slice: a GP may have none
   std::uint64_t voxels_ = 0;             ///< of the slice
   std::vector<std::unique_ptr<RowBand>> bands_;
   std::size_t bands_in_use_ = 0;  ///< how many bands the slice uses, in the order of its rows
