@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "raster/pixel_vectors-inl.hpp"
-#include "splat/painter_kernels.hpp"
 #include "splat/splat.hpp"
+#include "splat/splat_sum.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {

@@ -7,7 +7,7 @@
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/splat/kernel_options.hpp"
 #include "splat/footprint.hpp"
-#include "splat/painter_kernels.hpp"
+#include "splat/splat_sum.hpp"
 #include "splat/stencil.hpp"
 
 namespace ringsplat {

@@ -1,14 +1,63 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "raster/region_image.hpp"
 #include "raster/slice_buffer.hpp"
 #include "splat/aligned_slice.hpp"
-#include "splat/voxel_kernels.hpp"
 #include "splat/voxel_run.hpp"
 
 namespace ringsplat {
+
+/// A region's voxels of one aligned slice. Each voxel's premultiplied colour is in the slice buffer at its
+/// anchor and in the pixels from there up to the next voxel's anchor. Rows of bits begin `left` pixels before
+/// the region.
+struct VoxelRows {
+  SliceBuffer buffer;
+  /// Bits of the pixels that hold voxels, from the row of anchors in the region's first row on.
+  std::uint64_t* filled = nullptr;
+  const std::uint64_t* inside = nullptr;  ///< bits of the region's pixels, whole pixel blocks
+  std::size_t row_words = 0;              ///< the last word of a row is 0, as is the one before the first row
+  int left = 0;
+  std::int64_t x = 0, y = 0;  ///< the anchor of voxel (0, 0), from the region's corner
+  /// Voxels lie in rows of anchors top … bottom − 1, and surely in the first.
+  int top = std::numeric_limits<int>::max(), bottom = std::numeric_limits<int>::min();
+};
+
+struct DrawnBlocks {
+  std::uint32_t blocks = 0;  ///< gone through
+  DrawCounts counts;         ///< of their voxels: drawn are those with a weight above zero in the region
+};
+
+/// Writes the voxels whose windows meet the region, as premultiplied RGBA in float32, and sets their pixels'
+/// bits. Colours and opacities, times opacity_weight, have the bits that SplatSum adds for a splat. A voxel
+/// whose opacity no footprint can give becomes 0. Stops after `most` voxels or the block in which they end.
+template <class Voxel>
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<Voxel>& blocks,
+                         std::uint64_t most);
+
+/// A region's composited pixels.
+struct ImageRows {
+  float* first = nullptr;           ///< RGBA of pixel (0, 0), 64-byte aligned as all rows' are
+  std::ptrdiff_t row_floats = 0;    ///< from a row to the next
+  float opaque_threshold = 0;       ///< transmittances below it count as 0
+  std::uint64_t* opaque = nullptr;  ///< rows of bits: set where a whole pixel block is opaque
+  /// Factors of a pixel block's sums in row y: factors[y % largest_step]. Null means 1.
+  const float (*factors)[16] = nullptr;
+};
+
+/// Sums in each pixel the kernels of the voxels round it, so that a pixel is written once instead of once for
+/// each voxel; composites the sums behind the image, except behind opaque pixel blocks; and takes the voxels
+/// out. `covered` is scratch for a row of bits. Returns how many pixels it went through.
+///
+/// The image has the bits that draw_splats, given the voxels row by row, and composite_row would make.
+std::uint64_t composite_voxels(const VoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
+                               std::uint64_t* covered);
+
+/// Clears the pixels and bits of the voxels in rows of anchors first … end − 1.
+void take_out(const VoxelRows& voxels, int first, int end);
 
 /// Sums a slice's voxels as they lie in their rows, where these are a whole number of pixels apart: they are
 /// put into the slice buffer, and composite() convolves their rows with the kernels' weights. The same bits

@@ -65,7 +65,7 @@ class DoublePainter {
   std::vector<double> slice_, image_;
 };
 
-/// The painter's float32 operations one at a time, in the order that painter_kernels.hpp states.
+/// The painter's float32 operations one at a time, in the order that splat_sum.hpp states.
 class FloatPainter {
  public:
   FloatPainter(const Footprint& footprint, int width, int height)

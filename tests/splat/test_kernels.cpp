@@ -5,8 +5,8 @@
 #include <random>
 
 #include "ringsplat/base/bytes.hpp"
-#include "splat/painter_kernels.hpp"
 #include "splat/scene.hpp"
+#include "splat/splat_sum.hpp"
 #include "support/catch.hpp"
 #include "support/vector_targets.hpp"
 

@@ -1,4 +1,4 @@
-#include "splat/voxel_kernels.hpp"
+#include "splat/voxel_sum.hpp"
 
 #include <array>
 #include <bit>
