@@ -303,22 +303,16 @@ void ScalarPlanes::extrapolate_border(Number* p) {
   }
 }
 
-template <class Number>
-void ScalarPlanes::put_as(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload,
-                          ScalarType type) {
-  changed_columns_ = changed_rows_ = {};
-  auto* plane = origin<Number>(place.memory);
-  visit_type(type,
-             [&](auto zero) { put_blocks<Number, decltype(zero)>(plane, place.slot, voxels_are, payload); });
-  extrapolate_border(plane);
-}
-
 void ScalarPlanes::put(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload,
                        ScalarType type) {
-  if (code_.floats)
-    put_as<float>(place, voxels_are, payload, type);
-  else
-    put_as<std::int16_t>(place, voxels_are, payload, type);
+  changed_columns_ = changed_rows_ = {};
+  with_number([&](auto number) {
+    auto* plane = origin<decltype(number)>(place.memory);
+    visit_type(type, [&](auto zero) {
+      put_blocks<decltype(number), decltype(zero)>(plane, place.slot, voxels_are, payload);
+    });
+    extrapolate_border(plane);
+  });
 }
 
 void ScalarPlanes::place(int step, const SheetPayload& payload, ScalarType type) {
@@ -389,10 +383,7 @@ void ScalarPlanes::extrapolate_as(int step, int a, int b) {
 }
 
 void ScalarPlanes::extrapolate(int step, int a, int b) {
-  if (code_.floats)
-    extrapolate_as<float>(step, a, b);
-  else
-    extrapolate_as<std::int16_t>(step, a, b);
+  with_number([&](auto number) { extrapolate_as<decltype(number)>(step, a, b); });
 }
 
 }  // namespace ringsplat

@@ -84,10 +84,10 @@ class ScalarPlanes {
   Place kept_plane(std::size_t plane);
   std::size_t planes_together() const { return std::max<std::size_t>(1, least_memory / plane_bytes_); }
   void renew_fillers(Slot& slot) const;
+  /// Calls `use` with one of the planes' numbers, for its type.
+  void with_number(auto&& use) const { code_.floats ? use(float{}) : use(std::int16_t{}); }
   template <class Number>
   Number* origin(std::byte* memory) const;
-  template <class Number>
-  void put_as(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload, ScalarType type);
   template <class Number, class T>
   void put_blocks(Number* plane, Slot& slot, std::uint8_t voxels_are, const SheetPayload& payload);
   template <class Number>
