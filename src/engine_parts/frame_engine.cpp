@@ -123,13 +123,6 @@ void check_loaded(const SliceStore& store, Axis traversed, std::int64_t number) 
         "load it with --axes all");
 }
 
-void check_step(int renderer, int step, int slices) {
-  if (step < 0 || step >= slices)
-    throw RunError(
-        fmt::format("Renderer {} got a payload for step {} of a traversal of {}", renderer, step, slices),
-        "all ranks must run the same build");
-}
-
 FrameSpec announced_spec(const Announcement& a) {
   FrameSpec spec = decode_frame_spec(a.body);
   if (spec.frame != a.frame)

@@ -1,10 +1,14 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <deque>
 #include <map>
 #include <memory>
 #include <utility>
 
+#include "base/thread_team.hpp"
+#include "engine_parts/owned_images.hpp"
 #include "frame/engine_setup.hpp"
 #include "frame/frame_geometry.hpp"
 #include "protocol/engine.hpp"
@@ -41,9 +45,6 @@ class RegionDealer {
 /// Throws RunError unless the store has the slices that frame `number` traverses.
 void check_loaded(const SliceStore& store, Axis traversed, std::int64_t number);
 
-/// Throws RunError unless a traversal of `slices` slices has the step of a payload that came.
-void check_step(int renderer, int step, int slices);
-
 /// What rank 0 announced. Throws RunError when the bytes are no description of that frame.
 FrameSpec announced_spec(const Announcement& announcement);
 
@@ -79,8 +80,41 @@ class FrameEncoder : public Encoder {
 template <class Frame>
 class FramePainter : public Painter {
  public:
+  /// `threads` must outlive it.
+  FramePainter(int renderer, int renderers, ThreadTeam& threads)
+      : renderer_(renderer), threads_(threads), images_(renderer, renderers) {}
+
   /// Clears the image.
-  virtual void begin_frame(std::shared_ptr<const Frame> frame) = 0;
+  virtual void begin_frame(std::shared_ptr<const Frame> frame) {
+    frame_ = std::move(frame);
+    images_.begin_frame(geometry(), frame_->shown.opaque_threshold);
+    counts_ = {};
+  }
+  void news(int gp, Bytes& news) override { images_.news(gp, news); }
+  ItemCounts counts() const override { return counts_; }
+  void finish(const std::function<void(int, Bytes)>& deliver) override { images_.deliver(deliver); }
+
+ protected:
+  const FrameGeometry& geometry() const { return frame_->geometry; }
+  /// Calls `read`, whose RunError gets the payload's place. Throws RunError when the traversal has no such
+  /// step.
+  template <class Read>
+  void read_payload(int step, const Read& read) const {
+    try {
+      if (step < 0 || step >= geometry().slices)
+        throw RunError(fmt::format("the traversal has {} steps", geometry().slices),
+                       "all ranks must run the same build");
+      read();
+    } catch (const RunError& e) {
+      throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
+    }
+  }
+
+  int renderer_;
+  ThreadTeam& threads_;
+  std::shared_ptr<const Frame> frame_;
+  OwnedImages images_;
+  ItemCounts counts_;
 };
 
 /// One rank's engine of one method. `Parts`, made of the EngineSetup and what else it needs, has

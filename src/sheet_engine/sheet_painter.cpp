@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "engine_parts/frame_engine.hpp"
-#include "engine_parts/owned_images.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/block_windows.hpp"
 #include "sheet_engine/place_map.hpp"
@@ -39,12 +38,10 @@ constexpr int groups_at_once = 16;
 /// is there or known not to come, together with as many others as there are.
 class SheetPainter final : public FramePainter<SheetFrame> {
  public:
-  SheetPainter(int renderer, int renderers, ThreadTeam& threads)
-      : renderer_(renderer), threads_(threads), images_(renderer, renderers) {}
+  using FramePainter::FramePainter;
 
   void begin_frame(std::shared_ptr<const SheetFrame> frame) override {
-    frame_ = std::move(frame);
-    images_.begin_frame(geometry(), frame_->shown.opaque_threshold);
+    FramePainter::begin_frame(std::move(frame));
     tiles_.lay_out(geometry().regions, images_.owned());
     rays_ = make_sheet_rays(*frame_);
     windows_.emplace(geometry());
@@ -54,7 +51,6 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     payload_.reset();
     concluded_ = false;
     ready_ = false;
-    counts_ = {};
   }
 
   bool prepare() override {
@@ -103,31 +99,23 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     return true;
   }
 
-  void news(int gp, Bytes& news) override { images_.news(gp, news); }
-  ItemCounts counts() const override { return counts_; }
   void finish(const std::function<void(int, Bytes)>& deliver) override {
     if (!frame_->composites()) colour_projection();
-    images_.deliver(deliver);
+    FramePainter::finish(deliver);
   }
 
  private:
-  const FrameGeometry& geometry() const { return frame_->geometry; }
   bool whole_numbers() const {
     return geometry().grid.type != ScalarType::float32 && geometry().grid.type != ScalarType::float64;
   }
 
   void read(const PayloadToDraw& payload) {
-    const auto& [step, passes, body] = payload;
-    check_step(renderer_, step, geometry().slices);
-    try {
-      payload_ = read_sheet_payload(body, rays_.voxels[0], rays_.voxels[1], geometry().grid.type);
-    } catch (const RunError& e) {
-      throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
-    }
-    const std::uint16_t plane = payload_->header.plane;
-    if (plane != no_plane && int(plane) >= geometry().slices)
-      throw RunError(fmt::format("Renderer {}, step {}: plane {} of {} slices", renderer_, step, plane,
-                                 geometry().slices));
+    read_payload(payload.step, [&] {
+      payload_ = read_sheet_payload(payload.body, rays_.voxels[0], rays_.voxels[1], geometry().grid.type);
+      const std::uint16_t plane = payload_->header.plane;
+      if (plane != no_plane && int(plane) >= geometry().slices)
+        throw RunError(fmt::format("plane {} of {} slices", plane, geometry().slices));
+    });
     take_range(payload_->header);
   }
 
@@ -314,10 +302,6 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     }
   }
 
-  int renderer_;
-  ThreadTeam& threads_;
-  std::shared_ptr<const SheetFrame> frame_;
-  OwnedImages images_;
   VisibleTiles tiles_;
   SheetRays rays_;
   std::optional<SlabWindows> windows_;
@@ -336,7 +320,6 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   std::vector<std::size_t> groups_;          ///< those that they may show
   std::atomic<std::size_t> next_group_ = 0;  ///< in groups_
   bool concluded_ = false;                   ///< the last slice's surroundings are there
-  ItemCounts counts_;
 };
 
 }  // namespace

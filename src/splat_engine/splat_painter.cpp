@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <atomic>
 #include <utility>
@@ -7,9 +5,7 @@
 
 #include "base/clock.hpp"
 #include "engine_parts/frame_engine.hpp"
-#include "engine_parts/owned_images.hpp"
 #include "frame/frame_geometry.hpp"
-#include "ringsplat/base/error.hpp"
 #include "splat/frame_kernel.hpp"
 #include "splat_engine/payload_reader.hpp"
 #include "splat_engine/splat_engine.hpp"
@@ -22,15 +18,11 @@ namespace {
 class SplatPainter final : public FramePainter<SplatFrame> {
  public:
   SplatPainter(int renderer, int renderers, ThreadTeam& threads)
-      : renderer_(renderer),
-        images_(renderer, renderers),
-        threads_(threads),
-        lanes_(std::size_t(threads.size())) {}
+      : FramePainter(renderer, renderers, threads), lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
     for (Lane& lane : lanes_) lane.reader.reset();  // they refer to the last frame
-    frame_ = std::move(frame);
-    images_.begin_frame(geometry(), frame_->shown.opaque_threshold);
+    FramePainter::begin_frame(std::move(frame));
     const FrameKernel kernel = make_frame_kernel(frame_->footprint, geometry().view,
                                                  geometry().traversal.axis, frame_->splats.kernel);
     for (Lane& lane : lanes_) {
@@ -38,19 +30,14 @@ class SplatPainter final : public FramePainter<SplatFrame> {
                                                                  : make_run_reader(*frame_, kernel);
       lane.drawing = false;
     }
-    counts_ = {};
     composite_seconds_ = 0;
   }
 
   void begin(const PayloadToDraw& payload) override {
     const auto& [step, passes, body] = payload;
-    check_step(renderer_, step, geometry().slices);
-    const auto owned = [this](int region) { return images_.owns(region); };
-    try {
-      parts_ = lanes_.front().reader->parts(body, owned);
-    } catch (const RunError& e) {
-      throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
-    }
+    read_payload(step, [&] {
+      parts_ = lanes_.front().reader->parts(body, [this](int region) { return images_.owns(region); });
+    });
     slice_ = geometry().traversal.slice_at(step, geometry().slices);
     voxel_ = voxel_of_slice();
     next_part_ = 0;
@@ -89,12 +76,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
     return complete;
   }
 
-  void news(int gp, Bytes& news) override { images_.news(gp, news); }
-
-  ItemCounts counts() const override { return counts_; }
   double composite_seconds() const override { return composite_seconds_; }
-
-  void finish(const std::function<void(int, Bytes)>& deliver) override { images_.deliver(deliver); }
 
  private:
   /// What a thread draws with.
@@ -134,8 +116,6 @@ class SplatPainter final : public FramePainter<SplatFrame> {
     return true;
   }
 
-  const FrameGeometry& geometry() const { return frame_->geometry; }
-
   /// Position of one of the slice's voxels in the image plane.
   glm::dvec2 voxel_of_slice() const {
     glm::dvec3 voxel(0.0);
@@ -143,17 +123,12 @@ class SplatPainter final : public FramePainter<SplatFrame> {
     return geometry().view.project(voxel);
   }
 
-  int renderer_;
-  std::shared_ptr<const SplatFrame> frame_;
-  OwnedImages images_;
-  ThreadTeam& threads_;
   std::vector<Lane> lanes_;  ///< one for each thread
   int lanes_in_use_ = 1;     ///< lanes that this payload uses
   std::vector<PayloadPart> parts_;
   std::atomic<std::size_t> next_part_ = 0;
   int slice_ = 0;
   glm::dvec2 voxel_{0.0};  ///< position of one of the slice's voxels in the image plane
-  ItemCounts counts_;
   double composite_seconds_ = 0;
 };
 
