@@ -29,10 +29,9 @@ Block to_block(const std::vector<FrameSpec>& frames) {
 }
 
 std::vector<FrameSpec> frames_of(const Block& block) {
-  const auto all = from_bytes<std::vector<Bytes>>(block);
-  if (!all) throw RunError("rank 0 sent a part of a frame", "all ranks must run the same build");
   std::vector<FrameSpec> frames;
-  for (const Bytes& one : *all) frames.push_back(decode_frame_spec(one));
+  for (const Bytes& one : value_of<std::vector<Bytes>>(block, "frames"))
+    frames.push_back(decode_frame_spec(one));
   return frames;
 }
 

@@ -192,8 +192,8 @@ void ScalarPlanes::renew_fillers(Slot& slot) const {
 
 /// Differences at a border read one number beyond it, and that of the next block if the last has one voxel.
 void ScalarPlanes::note_change(int column, int row) {
-  if (column == 0 || column >= columns_ - 2) changed_rows_.add(row * side, row * side + high(row));
-  if (row == 0 || row >= rows_ - 2) changed_columns_.add(column * side, column * side + wide(column));
+  if (column == 0 || column >= columns_ - 2) changed_rows_.include(row * side, row * side + high(row));
+  if (row == 0 || row >= rows_ - 2) changed_columns_.include(column * side, column * side + wide(column));
 }
 
 template <class Number>
@@ -293,8 +293,8 @@ void ScalarPlanes::extrapolate_border(Number* p) {
     row[width_] = beyond(row[width_ - 1], row[width_ - 1 - next]);
   }
   const std::ptrdiff_t down = height_ > 1 ? pitch_ : 0, last = (height_ - 1) * pitch_;
-  const Span& x = changed_columns_;
-  if (x.first == x.end) return;
+  const PixelRun& x = changed_columns_;
+  if (x.empty()) return;
   // The corners follow the borders beside them.
   const int from = x.first == 0 ? -1 : x.first, to = x.end >= width_ - 1 ? width_ : x.end - 1;
   for (int at = from; at <= to; ++at) {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "raster/slice_buffer.hpp"
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 #include "sheet_engine/table_axis.hpp"
@@ -61,14 +62,6 @@ class ScalarPlanes {
     std::vector<Slot> slots;                     ///< by plane
     std::vector<std::vector<std::byte>> memory;  ///< of planes_together() planes each
   };
-  /// Along an axis, voxels of blocks that changed and lie at a border or next to one that does.
-  struct Span {
-    int first = 0, end = 0;
-    void add(int from, int to) {
-      first = first < end ? std::min(first, from) : from;
-      end = std::max(end, to);
-    }
-  };
 
   /// Memory of a plane and what it holds.
   struct Place {
@@ -124,7 +117,8 @@ class ScalarPlanes {
   std::optional<ShelfNumber> shelf_;           ///< of the frame's payloads
   std::vector<std::uint16_t> plane_of_step_;   ///< by step + 1; no_plane: the slice is in a slot
   std::vector<std::uint32_t> others_;          ///< of the slot that is being filled
-  Span changed_columns_, changed_rows_;
+  /// Along an axis, voxels of blocks that changed and lie at a border or next to one that does.
+  PixelRun changed_columns_, changed_rows_;
 };
 
 /// Bytes of one plane.

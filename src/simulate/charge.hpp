@@ -2,8 +2,9 @@
 #include <cmath>
 #include <ctime>
 
-// Functions of SimGrid's. Weak: null when the program is linked with another MPI.
-extern "C" void smpi_execute_benched(double seconds) __attribute__((weak));
+#include "net/launcher.hpp"
+
+// A function of SimGrid's, as in net/launcher.hpp.
 extern "C" int smpi_nanosleep(const timespec* time, timespec* left) __attribute__((weak));
 
 namespace ringsplat {
@@ -11,7 +12,7 @@ namespace ringsplat {
 /// Advances this rank's simulated clock by so many seconds of computing; does nothing outside of a
 /// simulation.
 inline void charge(double seconds) {
-  if (smpi_execute_benched != nullptr && seconds > 0) smpi_execute_benched(seconds);
+  if (simulated() && seconds > 0) smpi_execute_benched(seconds);
 }
 
 /// Lets so many seconds of the simulated clock pass without computing; does nothing outside of a simulation.
