@@ -144,15 +144,15 @@ class StallWatch {
 
   void tell() {
     tell_at_ = never;
-    std::string late;
+    std::vector<int> late;
     for (int r = 0; r < ranks_; ++r)
-      if (!answered_[std::size_t(r)]) late += fmt::format("{}{}", late.empty() ? "rank " : ", ", r);
+      if (!answered_[std::size_t(r)]) late.push_back(r);
     if (late.empty()) {
       ask_at_ = now_seconds() + patience_.seconds;
       return;
     }
-    const std::string line = fmt::format("{} has been {} for {:.0f} s and does not answer", late, what_,
-                                         now_seconds() - waits_since_);
+    const std::string line = fmt::format("rank {} has been {} for {:.0f} s and does not answer",
+                                         fmt::join(late, ", "), what_, now_seconds() - waits_since_);
     if (patience_.ends) throw RunError(line, hint);
     log_warning("{}; the others wait", line);
   }

@@ -95,21 +95,20 @@ class MeshRouter {
 
   /// Who waits for whom at this rank's links, in words; empty when nobody does.
   std::string waiting_for() const {
-    std::string all;
-    const auto say = [&](const std::string& line) { all += (all.empty() ? "" : "; ") + line; };
+    std::vector<std::string> all;
     for (const auto& out : out_)
       for (std::size_t c = 0; c < out.waiting.size(); ++c) {
         const int taken = slots_ - out.free_slots[c];
         if (!out.waiting[c].empty())
-          say(fmt::format(
+          all.push_back(fmt::format(
               "{} message(s) wait at link {} for rank {} to free one of {} slot(s), the first is {}",
               out.waiting[c].size(), name(mesh_, out.link), out.to, slots_,
               describe(out.waiting[c].front().message.header)));
         else if (taken > 0)
-          say(fmt::format("rank {} has not yet handed on {} message(s) from link {}", out.to, taken,
-                          name(mesh_, out.link)));
+          all.push_back(fmt::format("rank {} has not yet handed on {} message(s) from link {}", out.to, taken,
+                                    name(mesh_, out.link)));
       }
-    return all;
+    return fmt::to_string(fmt::join(all, "; "));
   }
 
   /// Returns what this rank's links carried for a frame, by link, and forgets it.

@@ -59,17 +59,17 @@ class FrameBuffer final : public Node {
   std::string waiting_for() const override {
     if (frames_.empty()) return {};
     const Frame& f = frames_.front();
-    std::string who;
+    std::vector<std::string> who;
     for (int n = 0; n < int(f.reported.size()); ++n) {
       if (f.reported[std::size_t(n)]) continue;
       const bool gp = n < layout_.gps;
-      const NodeId node{gp ? Role::gp : Role::renderer, gp ? n : n - layout_.gps};
-      who += (who.empty() ? "" : ", ") + to_string(node);
+      who.push_back(to_string({gp ? Role::gp : Role::renderer, gp ? n : n - layout_.gps}));
     }
     if (who.empty())
       return fmt::format("the frame buffer waits for {} tile(s) of frame {}", f.tiles_reported - f.tiles_here,
                          f.stats.frame);
-    return fmt::format("the frame buffer waits for reports on frame {} from {}", f.stats.frame, who);
+    return fmt::format("the frame buffer waits for reports on frame {} from {}", f.stats.frame,
+                       fmt::join(who, ", "));
   }
 
  private:

@@ -94,14 +94,11 @@ class Host {
 
   /// What this rank's nodes wait for, in words; empty when they are done or wait for the next frame.
   std::string waiting_for() const {
-    std::string all;
-    for (const auto& node : nodes_) {
-      const std::string one = node->waiting_for();
-      if (!one.empty()) all += (all.empty() ? "" : "; ") + one;
-    }
-    const std::string links = transport_.waiting_for();
-    if (!links.empty()) all += (all.empty() ? "" : "; ") + links;
-    return all;
+    std::vector<std::string> all;
+    for (const auto& node : nodes_) all.push_back(node->waiting_for());
+    all.push_back(transport_.waiting_for());
+    std::erase(all, "");
+    return fmt::to_string(fmt::join(all, "; "));
   }
 
   int rank() const { return transport_.rank(); }
