@@ -125,7 +125,7 @@ std::vector<Judged> FrameOutput::judge() {
   std::vector<Judged> judged;
   for (KeptFrame& kept : kept_) {
     if (kept.error) continue;
-    judged.push_back({kept.frame.result.spec, kept.frame.file.string(), error_of(kept).error.rmse});
+    judged.push_back({kept.frame.result.spec, kept.frame.file.string(), error_of(kept).rmse()});
   }
   truth_.reset();
   return judged;

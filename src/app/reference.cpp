@@ -26,7 +26,7 @@ std::string settings_text(const FrameSpec& spec, const ReferenceOptions& o) {
   auto j = nlohmann::json::parse(to_json_text(spec));
   j["volume"] = std::filesystem::path(o.picture.volume.path).filename().string();
   j["truth"] = to_string(o.truth);
-  if (o.truth != TruthKind::method) j["tolerance"] = o.tolerance;
+  if (o.truth == TruthKind::field || o.truth == TruthKind::analytic) j["tolerance"] = o.tolerance;
   if (o.truth == TruthKind::analytic) j["formula"] = o.formula;
   return plain_json_text(std::move(j));
 }

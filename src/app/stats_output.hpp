@@ -25,11 +25,17 @@ using nlohmann::json;
 
 /// All but the time, which differs from run to run.
 inline json to_json(const MeasuredError& m) {
-  return {{"truth", to_string(m.truth)},    {"pixels", m.error.pixels},
-          {"outside", m.error.outside},     {"seed", m.seed},
-          {"rmse", m.error.rmse},           {"rmse_low", m.error.rmse_low},
-          {"rmse_high", m.error.rmse_high}, {"largest", m.error.largest},
-          {"mean", m.error.mean},           {"unit", "1/255"}};
+  json all{{"truth", to_string(m.truth)},    {"pixels", m.error.pixels},
+           {"outside", m.error.outside},     {"seed", m.seed},
+           {"rmse", m.error.rmse},           {"rmse_low", m.error.rmse_low},
+           {"rmse_high", m.error.rmse_high}, {"largest", m.error.largest},
+           {"mean", m.error.mean},           {"unit", "1/255"}};
+  if (m.certificate) {
+    const Certificate& c = *m.certificate;
+    all.update(
+        {{"largest_low", c.least}, {"widest", c.widest}, {"proved", c.proved}, {"proved_within", c.limits}});
+  }
+  return all;
 }
 
 /// What slices are kept, and foreseen to take.

@@ -9,13 +9,16 @@
 namespace ringsplat::app {
 
 std::string to_string(TruthKind kind) {
-  return kind == TruthKind::method ? "method" : kind == TruthKind::field ? "field" : "analytic";
+  constexpr const char* names[] = {"method", "field", "analytic", "certified"};
+  return names[int(kind)];
 }
 
 TruthKind truth_from(const std::string& name, const std::string& option) {
-  return chosen<TruthKind>(
-      {{"method", TruthKind::method}, {"field", TruthKind::field}, {"analytic", TruthKind::analytic}}, name,
-      option);
+  return chosen<TruthKind>({{"method", TruthKind::method},
+                            {"field", TruthKind::field},
+                            {"analytic", TruthKind::analytic},
+                            {"certified", TruthKind::certified}},
+                           name, option);
 }
 
 namespace {
@@ -28,8 +31,10 @@ double parse_error(const std::string& text, const std::string& option) {
 
 void add_error_options(OptionList& list, RenderOptions& o) {
   list.below("Error") += {
-      {"--error", "method|field", nullptr,
-       "Measure the picture against a double-precision truth: the method's own, or the field's integral",
+      {"--error", "method|field|certified", nullptr,
+       "Measure the picture against a double-precision truth: the method's own, the field's integral, or "
+       "proved "
+       "bounds of that",
        parsed(o.error.truth, truth_from)},
       {"--error-pixels", "N", initial,
        "Pixels at which the truth is evaluated, drawn at random where the volume may show",
@@ -38,16 +43,17 @@ void add_error_options(OptionList& list, RenderOptions& o) {
       {"--max-error", "RMSE", nullptr,
        "Choose the cheapest --opaque-threshold, --precision, --radius, --slabs, --light-points, "
        "--image-plane and --undersample whose RMSE against the method's truth stays within this, in 1/255; "
-       "with --error field against the field's, and --engine, too; those given are kept",
+       "with --error field or certified against the field's, and --engine, too; those given are kept",
        parsed(o.budget.max_error, parse_error)},
   };
 }
 
 void add_reference_options(OptionList& list, ReferenceOptions& o) {
   list.below("Truth") += {
-      {"--truth", "method|field|analytic", "field",
-       "The method's own picture (--quality), the integral of the interpolated volume, or that of the "
-       "formula it was made from",
+      {"--truth", "method|field|analytic|certified", "field",
+       "The method's own picture (--quality), the integral of the interpolated volume, that of the formula "
+       "it "
+       "was made from, or the middle of proved bounds of the field's",
        parsed(o.truth, truth_from)},
       {"--tolerance", nullptr, initial, "Error of the integral that is allowed in a final colour",
        value(o.tolerance, {1e-12, 0.1})},
@@ -95,8 +101,11 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
   for (const char* const name : {"--opaque-threshold", "--precision", "--radius", "--image-plane", "--slabs",
                                  "--light-points", "--undersample"})
     if (o.budget.max_error && list.is_given(name)) o.budget.fixed.emplace(name);
+  if (o.error.truth == TruthKind::certified && o.colour.mode != Mode::composite)
+    throw InputError("--error certified has bounds for --mode composite alone",
+                     "use --error field: other modes' truths are closed forms");
   if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
-  o.budget.to_field = o.budget.max_error && *o.error.truth == TruthKind::field;
+  o.budget.to_field = o.budget.max_error && *o.error.truth != TruthKind::method;
   // A method's truth is its own, so that only the field's tells which engine is nearer.
   if (o.budget.to_field && !engine_is_chosen(list)) {
     MethodOptions other = o.method;
@@ -108,9 +117,8 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
 void note_options_without_effect(const OptionList& list, ReferenceOptions& o) {
   // No truth uses kernel tables or regions; a field's truth uses no kernel and no slices.
   std::vector<const char*> unknown{"--kernel", "--phases", "--qee-bits", "--region"};
-  if (o.truth == TruthKind::method)
-    unknown.push_back("--tolerance");
-  else
+  if (o.truth == TruthKind::method || o.truth == TruthKind::certified) unknown.push_back("--tolerance");
+  if (o.truth != TruthKind::method)
     unknown.insert(unknown.end(), {"--radius", "--normalisation", "--no-opacity-correction", "--engine",
                                    "--quality", "--slabs", "--light-points"});
   for (const char* name : unknown)

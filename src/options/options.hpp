@@ -88,7 +88,7 @@ struct ColourOptions {
 };
 
 /// Which truth a picture is measured against (docs/accuracy.md).
-enum class TruthKind { method, field, analytic };
+enum class TruthKind { method, field, analytic, certified };
 std::string to_string(TruthKind kind);
 /// Throws InputError that lists the names; `option` is the option that was given.
 TruthKind truth_from(const std::string& name, const std::string& option);
@@ -128,7 +128,7 @@ struct ErrorOptions {
 struct ErrorBudgetOptions {
   std::optional<double> max_error;   ///< RMSE in 1/255 against the chosen truth; nothing: choose nothing
   std::set<std::string> fixed = {};  ///< the options of settings that the user gave, so they are not chosen
-  bool to_field = false;             ///< the error is against the field's truth, not the method's
+  bool to_field = false;             ///< the error is against the field's truth or bounds, not the method's
   /// What the same options mean for the other engine, where the engine is to be chosen, too.
   std::optional<Method> other_engine;
 };

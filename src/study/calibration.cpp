@@ -78,8 +78,8 @@ void Calibration::evaluate_truths() {
   for (std::size_t v = 0; v < views_.size(); ++v) {
     reference_.shown.camera = views_[v];
     scene_.frame = reference_;
-    truths_.push_back(sample_truth(pictures_[v], scene_, {.truth = error_.truth.value_or(TruthKind::method)},
-                                   error_.pixels, error_.seed));
+    truths_.push_back(
+        sample_truth(pictures_[v], scene_, {.truth = calibrating_truth(error_)}, error_.pixels, error_.seed));
   }
   scene_ = {};
   pictures_.clear();
@@ -178,7 +178,7 @@ std::string calibration_key(const RenderOptions& o, const FrameSpec& reference, 
               {"views", views_json(reference, views)},
               {"fixed", o.budget.fixed},
               {"other_engine", o.budget.other_engine.has_value()},
-              {"truth", to_string(o.error.truth.value_or(TruthKind::method))},
+              {"truth", to_string(calibrating_truth(o.error))},
               {"layout", layout_json(o.run, layout)},
               {"pixels", o.error.pixels},
               {"seed", o.error.seed}}

@@ -11,6 +11,7 @@
 #include "base/process.hpp"
 #include "frame/frame_fields.hpp"
 #include "ringsplat/base/error.hpp"
+#include "truth/certified.hpp"
 #include "truth/field.hpp"
 #include "truth/method.hpp"
 #include "volume/synth.hpp"
@@ -226,10 +227,18 @@ WholeVolume read_whole(VolumeSource& source) {
   return volume;
 }
 
+double certified_width(const truth::Scene& scene) { return (scene.shaded() ? 0.5 : 0.1) / truth::levels; }
+
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e,
                                   std::span<const truth::Pixel> pixels) {
   if (e.truth == TruthKind::method) return truth::method_truth(scene, pixels);
   if (e.truth == TruthKind::field) return truth::field_truth(scene, pixels, e.tolerance);
+  if (e.truth == TruthKind::certified) {
+    std::vector<truth::Rgba> middles;
+    for (const auto& bounds : truth::certified_bounds(scene, pixels, certified_width(scene)))
+      middles.push_back(bounds.middle());
+    return middles;
+  }
   return truth::analytic_truth(scene, synth_field(e.formula), truth::synth_scale(scene.grid.type), pixels,
                                e.tolerance);
 }
@@ -243,13 +252,67 @@ SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const
   return made;
 }
 
+namespace {
+
+/// By bounds in place of a truth. The estimate is that of their middles.
+MeasuredError measure_certified(const Image& image, const truth::Scene& scene, const ErrorOptions& options) {
+  const auto sample = truth::draw_sample(image, truth::field_bounds(scene), options.pixels, options.seed);
+  const auto bounds = truth::certified_bounds(scene, sample.pixels, certified_width(scene));
+  std::vector<truth::Rgba> near, middle, far;
+  Certificate certificate;
+  for (std::size_t p = 0; p < bounds.size(); ++p) {
+    const float* pixel = image.pixel(sample.pixels[p].x, sample.pixels[p].y);
+    const truth::Rgba colour(pixel[0], pixel[1], pixel[2], pixel[3]);
+    near.push_back(bounds[p].nearest_to(colour));
+    middle.push_back(bounds[p].middle());
+    far.push_back(bounds[p].farthest_from(colour));
+    certificate.widest = std::max(certificate.widest, truth::levels * bounds[p].width());
+    double error = 0;
+    for (int c = 0; c < 4; ++c)
+      error = std::max(error, std::abs(truth::levels_apart(colour[c], far.back()[c])));
+    for (std::size_t k = 0; k < certificate.limits.size(); ++k)
+      certificate.proved[k] += error <= certificate.limits[k] ? 1 / double(bounds.size()) : 0;
+  }
+  const auto least = truth::sampled_error(image, sample, near),
+             most = truth::sampled_error(image, sample, far);
+  certificate.least = least.largest;
+  truth::SampledError error = truth::sampled_error(image, sample, middle);
+  error.rmse_low = least.rmse_low;
+  error.rmse_high = most.rmse_high;
+  error.largest = most.largest;
+  error.worst = most.worst;
+  return {TruthKind::certified, options.seed, error, 0, certificate};
+}
+
+}  // namespace
+
+TruthKind calibrating_truth(const ErrorOptions& options) {
+  const TruthKind truth = options.truth.value_or(TruthKind::method);
+  return truth == TruthKind::certified ? TruthKind::field : truth;
+}
+
 MeasuredError measure(const Image& image, const truth::Scene& scene, const ErrorOptions& options) {
   const double start = now_seconds();
+  if (options.truth == TruthKind::certified) {
+    MeasuredError measured = measure_certified(image, scene, options);
+    measured.seconds = now_seconds() - start;
+    return measured;
+  }
   const auto [sample, colours] = sample_truth(image, scene, {*options.truth}, options.pixels, options.seed);
   return {*options.truth, options.seed, truth::sampled_error(image, sample, colours), now_seconds() - start};
 }
 
 std::string to_text(const MeasuredError& m) {
+  if (m.certificate) {
+    const Certificate& c = *m.certificate;
+    return fmt::format(
+        "error certified against the field: at most {:.4g}/255 (somewhere at least {:.4g}), {:.4g} to {:.4g} "
+        "rms; "
+        "proved within 0.5, 1 and 2: {:.4g}, {:.4g} and {:.4g} %; bounds at most {:.3g} wide; {} pixels in "
+        "{:.2f} s",
+        m.error.largest, c.least, m.error.rmse_low, m.error.rmse_high, 100 * c.proved[0], 100 * c.proved[1],
+        100 * c.proved[2], c.widest, m.error.pixels, m.seconds);
+  }
   return fmt::format(
       "error against the {}'s truth: {:.4g}/255 rms (95 %: {:.4g} to {:.4g}), largest {:.4g}, mean {:+.3g}; "
       "{} pixels in {:.2f} s",

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -78,6 +79,9 @@ struct Evaluation {
   double tolerance = 1e-6;
   std::string formula = {};
 };
+/// How narrow proved bounds are made: a tenth of a level, half of one where light adds its own.
+double certified_width(const truth::Scene& scene);
+/// `certified`: the middle of the bounds.
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& evaluation,
                                   std::span<const truth::Pixel> pixels);
 
@@ -90,12 +94,26 @@ struct SampledTruth {
 SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const Evaluation& evaluation,
                           std::size_t pixels, std::uint64_t seed);
 
+/// What bounds of the field's integral prove of the pixels looked at, in 1/255.
+struct Certificate {
+  double least = 0;                ///< of the largest error
+  double widest = 0;               ///< of the bounds
+  std::array<double, 3> proved{};  ///< the shares of pixels that err at most as much as `limits`
+  static constexpr std::array<double, 3> limits{0.5, 1, 2};
+};
+
 struct MeasuredError {
   TruthKind truth;
   std::uint64_t seed;
   truth::SampledError error;
   double seconds;  ///< spent on the truth
+  /// Then `error.largest` and, of all pixels, `error.rmse_high` are surely not exceeded.
+  std::optional<Certificate> certificate = std::nullopt;
+  /// What a budget is held by.
+  double rmse() const { return certificate ? error.rmse_high : error.rmse; }
 };
+/// Settings are compared by estimates, also where pictures are then certified.
+TruthKind calibrating_truth(const ErrorOptions& options);
 MeasuredError measure(const Image& image, const truth::Scene& scene, const ErrorOptions& options);
 
 /// "error against the method's truth: 0.0021/255 rms (95 %: 0.0019 to 0.0023), …".

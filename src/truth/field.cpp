@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "truth/cubic.hpp"
 #include "truth/quadrature.hpp"
 #include "truth/ray.hpp"
 
@@ -19,65 +20,6 @@ struct Crossing {
   glm::ivec3 cell;     ///< its low corner; −1 in the half voxel before the first centre
   glm::ivec3 nearest;  ///< the voxel whose value it has where values are not interpolated
 };
-
-/// The values along a crossing: a cubic polynomial of s' = (s − enter) / (leave − enter), in Bernstein's form
-/// scaled to the monomials p0 + p1 s' + p2 s'² + p3 s'³.
-struct Cubic {
-  std::array<double, 4> p;
-  double at(double s) const { return p[0] + s * (p[1] + s * (p[2] + s * p[3])); }
-};
-
-/// The cubic that has the values of `at`, a function of s, at thirds of the crossing.
-template <class At>
-Cubic cubic_along(const Crossing& crossing, const At& at) {
-  const auto y = [&](double part) { return at(std::lerp(crossing.enter, crossing.leave, part)); };
-  const double y0 = y(0), y1 = y(1.0 / 3), y2 = y(2.0 / 3), y3 = y(1);
-  return {{y0, (-11 * y0 + 18 * y1 - 9 * y2 + 2 * y3) / 2, (18 * y0 - 45 * y1 + 36 * y2 - 9 * y3) / 2,
-           (-9 * y0 + 27 * y1 - 27 * y2 + 9 * y3) / 2}};
-}
-
-/// Places in [0, 1], ascending, both ends among them, between which the cubic is monotone.
-std::vector<double> monotone_pieces(const Cubic& cubic) {
-  const double a = 3 * cubic.p[3], b = 2 * cubic.p[2], c = cubic.p[1];
-  std::vector<double> points{0.0, 1.0};
-  const auto add = [&](double s) {
-    if (s > 0 && s < 1) points.push_back(s);
-  };
-  const double discriminant = b * b - 4 * a * c;
-  if (discriminant >= 0) {
-    const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));  // no cancellation
-    if (a != 0) add(q / a);
-    if (q != 0) add(c / q);
-  }
-  std::sort(points.begin(), points.end());
-  return points;
-}
-
-/// Where the cubic takes `value`. It is monotone on [a, b], and `value` lies between its ends.
-double crossing_of(const Cubic& cubic, double value, double a, double b) {
-  const bool rising = cubic.at(a) < cubic.at(b);
-  for (int round = 0; round < 60 && a < b; ++round) {
-    const double middle = 0.5 * (a + b);
-    if (middle <= a || middle >= b) break;
-    ((cubic.at(middle) < value) == rising ? a : b) = middle;
-  }
-  return 0.5 * (a + b);
-}
-
-/// Where the values cross knots of the transfer function, in (0, 1), ascending, with both ends.
-std::vector<double> cuts_at_knots(const Cubic& cubic, const std::vector<double>& knots) {
-  const std::vector<double> monotone = monotone_pieces(cubic);
-  std::vector<double> cuts{0.0};
-  for (std::size_t i = 0; i + 1 < monotone.size(); ++i) {
-    const double a = monotone[i], b = monotone[i + 1];
-    const auto [low, high] = std::minmax({cubic.at(a), cubic.at(b)});  // by value: references would dangle
-    for (auto k = std::upper_bound(knots.begin(), knots.end(), low); k != knots.end() && *k < high; ++k)
-      cuts.push_back(crossing_of(cubic, *k, a, b));
-    cuts.push_back(b);
-  }
-  std::sort(cuts.begin(), cuts.end());
-  return cuts;
-}
 
 class FieldIntegrator : Tracer {
  public:
@@ -102,27 +44,15 @@ class FieldIntegrator : Tracer {
 
  private:
   /// The cells along a ray, front to back, and where values are not interpolated the parts of them that are
-  /// nearest to one voxel. Each cut is computed from the ray's start.
+  /// nearest to one voxel.
   std::vector<Crossing> crossings(const LatticeRay& ray) const {
-    std::vector<double> cuts{ray.enter, ray.leave};
-    const glm::dvec3 first = ray.at(ray.enter), last = ray.at(ray.leave);
-    for (int k = 0; k < 3; ++k) {
-      if (ray.step[k] == 0) continue;
-      const double in_voxel = scene_.nearest() ? 2 : 1;
-      const double low = std::ceil(in_voxel * std::min(first[k], last[k])),
-                   high = std::floor(in_voxel * std::max(first[k], last[k]));
-      for (double plane = low; plane <= high; ++plane) {
-        const double s = (plane / in_voxel - ray.origin[k]) / ray.step[k];
-        if (s > ray.enter && s < ray.leave) cuts.push_back(s);
-      }
-    }
-    std::sort(cuts.begin(), cuts.end());
+    const std::vector<Cut> cuts = cuts_along(scene_, ray);
     std::vector<Crossing> crossings;
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
-      if (cuts[i] < cuts[i + 1]) {
-        const glm::dvec3 middle = ray.at(0.5 * (cuts[i] + cuts[i + 1]));
-        crossings.push_back(
-            {cuts[i], cuts[i + 1], glm::ivec3(glm::floor(middle)), nearest_voxel(middle, scene_.grid.dims)});
+      if (cuts[i].at < cuts[i + 1].at) {
+        const glm::dvec3 middle = ray.at(0.5 * (cuts[i].at + cuts[i + 1].at));
+        crossings.push_back({cuts[i].at, cuts[i + 1].at, glm::ivec3(glm::floor(middle)),
+                             nearest_voxel(middle, scene_.grid.dims)});
       }
     return crossings;
   }
@@ -131,7 +61,8 @@ class FieldIntegrator : Tracer {
   std::optional<Cubic> cubic_in(const LatticeRay& ray, const Crossing& crossing) const {
     const auto values = cell_values(scene_, curve_, cell_of(crossing));
     if (!values) return std::nullopt;
-    return cubic_along(crossing, [&](double s) { return values->at(ray.at(s) - glm::dvec3(crossing.cell)); });
+    return cubic_along(crossing.enter, crossing.leave,
+                       [&](double s) { return values->at(ray.at(s) - glm::dvec3(crossing.cell)); });
   }
 
   Rgba classified(double value) const {
@@ -226,11 +157,12 @@ class FieldIntegrator : Tracer {
   template <class Place, class ValueAt>
   std::vector<double> smooth_pieces(const Crossing& crossing, const Place& place, const ValueAt& value_at,
                                     const Corners<glm::dvec3>& normals, const glm::dvec3& to_viewer) const {
-    std::vector<double> cuts = cuts_at_knots(cubic_along(crossing, value_at), curve_.knots());
+    std::vector<double> cuts =
+        cuts_at_knots(cubic_along(crossing.enter, crossing.leave, value_at), curve_.knots());
     if (scene_.shaded()) {
       for (const glm::dvec3& direction : {phong_.to_light(), to_viewer}) {
         const auto facing = [&](double s) { return glm::dot(trilinear(normals, place(s)), direction); };
-        const auto more = cuts_at_knots(cubic_along(crossing, facing), {0.0});
+        const auto more = cuts_at_knots(cubic_along(crossing.enter, crossing.leave, facing), {0.0});
         cuts.insert(cuts.end(), more.begin(), more.end());
       }
       std::sort(cuts.begin(), cuts.end());

@@ -92,6 +92,23 @@ ScreenBounds Rays::bounds() const {
   return bounds;
 }
 
+std::vector<Cut> cuts_along(const Scene& scene, const LatticeRay& ray) {
+  std::vector<Cut> cuts{{ray.enter}, {ray.leave}};
+  const glm::dvec3 first = ray.at(ray.enter), last = ray.at(ray.leave);
+  for (int k = 0; k < 3; ++k) {
+    if (ray.step[k] == 0) continue;
+    const double in_voxel = scene.nearest() ? 2 : 1;
+    const double low = std::ceil(in_voxel * std::min(first[k], last[k])),
+                 high = std::floor(in_voxel * std::max(first[k], last[k]));
+    for (double plane = low; plane <= high; ++plane) {
+      const double s = (plane / in_voxel - ray.origin[k]) / ray.step[k];
+      if (s > ray.enter && s < ray.leave) cuts.push_back({s, k});
+    }
+  }
+  std::sort(cuts.begin(), cuts.end(), [](const Cut& a, const Cut& b) { return a.at < b.at; });
+  return cuts;
+}
+
 double extinction(double opacity) {
   return opacity < 1 ? -std::log1p(-opacity) : std::numeric_limits<double>::infinity();
 }

@@ -56,6 +56,15 @@ class Rays {
   LatticeRay parallel_;  ///< the direction of an orthographic view's rays
 };
 
+/// Where a ray enters and leaves the volume (no axis), and where between them it crosses an axis' plane of
+/// cells' faces; of nearest voxels' faces as well, where values are not interpolated. Ascending; each is
+/// computed from the ray's start.
+struct Cut {
+  double at;
+  std::optional<int> axis = std::nullopt;
+};
+std::vector<Cut> cuts_along(const Scene& scene, const LatticeRay& ray);
+
 /// What the truths along a scene's rays stand on.
 struct Tracer {
   explicit Tracer(const Scene& scene)
@@ -71,8 +80,8 @@ struct Tracer {
 
 /// along(pixel) of each pixel, on all cores; calls Scene::poll meanwhile.
 template <class Along>
-std::vector<Rgba> along_rays(const Scene& scene, std::span<const Pixel> pixels, const Along& along) {
-  std::vector<Rgba> colours(pixels.size());
+auto along_rays(const Scene& scene, std::span<const Pixel> pixels, const Along& along) {
+  std::vector<decltype(along(Pixel{}))> colours(pixels.size());
   parallel_for(
       pixels.size(), 16,
       [&](std::size_t first, std::size_t end) {

@@ -187,7 +187,7 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
       picture.error = measured(picture, truth, o.error);
       picture.settings = app::picture_settings(picture.spec, o.volume.path, o.annotate, {}, &*picture.error);
       const std::string name = fmt::format("picture {}", picture.spec.frame);
-      judged.push_back({picture.spec, name, picture.error->error.rmse});
+      judged.push_back({picture.spec, name, picture.error->rmse()});
     }
     return judged;
   };

@@ -92,6 +92,35 @@ TEST_CASE("render --error says the same as compare with the whole truth, in one 
   CHECK(sampled[0].at("rmse_high") > sampled[0].at("rmse"));
 }
 
+TEST_CASE("a certificate holds what is measured, on any ranks", "[mpi][openimageio]") {
+  const Workshop w;
+  const std::vector<std::string> all{"--error-pixels", "10000", "--stats", w / "stats.json"};
+  w.must(with(with(w.view("render", "picture.exr"), all), {"--error", "field"}));
+  const json field = json::parse(read_text(w / "stats.json")).at(0).at("error");
+  std::vector<json> certified;
+  for (const int ranks : {0, 3}) {
+    const Ended ended =
+        w.must(with(with(w.view("render", "picture.exr"), all), {"--error", "certified"}), ranks);
+    CHECK_THAT(ended.out, Catch::Matchers::Contains("error certified against the field"));
+    certified.push_back(json::parse(read_image(w / "picture.exr").settings).at("error"));
+  }
+  const json& error = certified[0];
+  CHECK(error == certified[1]);
+  for (const char* figure : {"rmse", "largest"}) {
+    const double measured = field.at(figure);
+    CHECK(error.at(figure + std::string("_low")) <= measured + 1e-6);
+    CHECK(error.at(figure == std::string("rmse") ? "rmse_high" : "largest") >= measured - 1e-6);
+  }
+  CHECK(error.at("widest") <= 0.1);
+  CHECK(error.at("largest").get<double>() - error.at("largest_low").get<double>() <= 0.1);
+  CHECK(error.at("proved").size() == error.at("proved_within").size());
+  CHECK(error.at("proved").at(0) <= error.at("proved").at(2));
+
+  w.must(with(w.view("reference", "field.exr"), {}));
+  w.must(with(w.view("reference", "middle.exr"), {"--truth", "certified"}));
+  CHECK(rmse_of(w, "middle.exr", "field.exr") < 0.05);
+}
+
 TEST_CASE("an orbit's frames are each measured", "[mpi][openimageio]") {
   const Workshop w;
   const Ended ended = w.must(
@@ -108,6 +137,10 @@ TEST_CASE("truths that cannot be are refused with the way out") {
       {with(w.view("reference", "x.exr"), {"--formula", "ball"}), "no effect"},
       {with(w.view("reference", "x.exr"), {"--truth", "gut"}), "gut"},
       {with(w.view("render", "x.exr"), {"--error", "analytic"}), "formula"},
+      {{"render", w.volume(), "-o", w / "x.exr", "--error", "certified", "--mode", "mip"},
+       "--mode composite"},
+      {{"reference", w.volume(), "-o", w / "x.exr", "--truth", "certified", "--mode", "mip"},
+       "--mode composite"},
   };
   for (const auto& [arguments, named] : wrong) {
     const Ended ended = run_program(arguments);

@@ -1,0 +1,375 @@
+#include "truth/certified.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "ringsplat/base/error.hpp"
+#include "truth/cubic.hpp"
+#include "truth/enclosed_piece.hpp"
+#include "truth/ray.hpp"
+
+namespace ringsplat::truth {
+namespace {
+
+/// A ray that is computed in doubles lies this near to the exact one, in voxels (docs/certified.md, 1).
+constexpr double tube = 1e-10;
+
+/// The part of a ray in one cell.
+struct Passage {
+  double enter, leave;
+  Interval length;  ///< of the exact ray's passage, from 0
+  Cell cell;
+  glm::ivec3 nearest;
+  std::array<Interval, 3> from, change;  ///< place in the cell, 0 to 1 along each axis, and along the passage
+  double beside = 0;                     ///< how far the exact ray may be outside of it
+};
+
+/// So slow along an axis, a ray may run along voxels' faces: where it crosses them is not known.
+bool may_run_along_faces(double step) {
+  constexpr double slowest = 1e-5;
+  return std::abs(step) < slowest;
+}
+
+/// How uncertain a cut is.
+struct Uncertain {
+  double at, by;
+  Interval exact() const { return Interval(at) + within(by); }
+};
+
+/// Where a ray enters or leaves the volume, through one of its faces or from the eye.
+Uncertain end_of(const Scene& scene, const LatticeRay& ray, double at) {
+  Uncertain end{at, tube};
+  const LatticeBox box = voxel_faces(scene);
+  for (int k = 0; k < 3; ++k)
+    for (const double face : {box.low[k], box.high[k]}) {
+      const double by = tube / std::abs(ray.step[k]);
+      if (std::abs((face - ray.origin[k]) / ray.step[k] - at) < 2 * by) end.by = std::max(end.by, by);
+    }
+  return end;
+}
+
+std::vector<Uncertain> uncertain_cuts(const Scene& scene, const LatticeRay& ray) {
+  std::vector<Uncertain> cuts;
+  for (const auto& [at, axis] : cuts_along(scene, ray)) {
+    if (!axis)
+      cuts.push_back(end_of(scene, ray, at));
+    else
+      cuts.push_back({at, may_run_along_faces(ray.step[*axis]) ? 0 : tube / std::abs(ray.step[*axis])});
+  }
+  // Of three planes at one place as well, each may be crossed first.
+  for (int round = 0; round < 2; ++round)
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+      Uncertain &one = cuts[i], &next = cuts[i + 1];
+      const double apart = next.at - one.at, by = apart + one.by + next.by;
+      if (one.by > 0 && next.by > 0 && apart <= one.by + next.by) one.by = next.by = by;
+    }
+  return cuts;
+}
+
+Passage passage_between(const Scene& scene, const LatticeRay& ray, const Uncertain& enter,
+                        const Uncertain& leave) {
+  const glm::dvec3 middle = ray.at(0.5 * (enter.at + leave.at));
+  const glm::ivec3 low = glm::ivec3(glm::floor(middle)), last = scene.grid.dims - 1;
+  Passage p;
+  p.enter = enter.at;
+  p.leave = leave.at;
+  p.nearest = nearest_voxel(middle, scene.grid.dims);
+  p.length = leave.exact() - enter.exact();
+  p.length = {std::max(0.0, p.length.lower()), p.length.upper()};
+  p.cell = {glm::clamp(low, glm::ivec3(0), last), glm::clamp(low + 1, glm::ivec3(0), last)};
+  for (int k = 0; k < 3; ++k) {
+    const auto axis = std::size_t(k);
+    const auto place = [&](const Uncertain& cut) {
+      const Interval exact =
+          Interval(ray.origin[k]) + cut.exact() * ray.step[k] + within(tube) - double(low[k]);
+      if (may_run_along_faces(ray.step[k]))
+        p.beside = std::max({p.beside, -exact.lower(), exact.upper() - 1});
+      return clamped(exact, 0, 1);
+    };
+    p.from[axis] = place(enter);
+    p.change[axis] = place(leave) - p.from[axis];
+  }
+  return p;
+}
+
+/// The cells along a ray, front to back, cut as well where the nearest voxel changes if values are not
+/// interpolated.
+std::vector<Passage> passages(const Scene& scene, const LatticeRay& ray) {
+  const std::vector<Uncertain> cuts = uncertain_cuts(scene, ray);
+  std::vector<Passage> all;
+  for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
+    if (cuts[i].at < cuts[i + 1].at) all.push_back(passage_between(scene, ray, cuts[i], cuts[i + 1]));
+  return all;
+}
+
+/// Interpolation between a cell's corners as a polynomial of the part of the passage.
+Polynomial along_passage(const Corners<Interval>& corners, const Passage& passage) {
+  std::array<Polynomial, 8> level{};
+  for (std::size_t c = 0; c < 8; ++c) level[c][0] = corners[c];
+  for (std::size_t axis = 0, count = 8; axis < 3; ++axis, count /= 2)
+    for (std::size_t c = 0; c < count / 2; ++c) {
+      Polynomial mixed = level[2 * c];
+      for (std::size_t k = 0; k < 4; ++k) {
+        const Interval apart = level[2 * c + 1][k] - level[2 * c][k];
+        mixed[k] += apart * passage.from[axis];
+        if (k < 3) mixed[k + 1] += apart * passage.change[axis];
+      }
+      level[c] = mixed;
+    }
+  return level[0];
+}
+
+class Certifier : Tracer {
+ public:
+  Certifier(const Scene& scene, double width, int most_pieces)
+      : Tracer(scene),
+        width_(width),
+        most_pieces_(most_pieces),
+        lines_(curve_),
+        gradients_(scene),
+        grown_(scene, resized(tube)),
+        shrunk_(scene, resized(-tube)) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const double v : scene.values) {
+      const double finite = curve_.bounded(v);
+      if (std::isnan(finite)) continue;
+      low = std::min(low, finite);
+      high = std::max(high, finite);
+    }
+    if (low <= high) values_ = {low, high};
+    const glm::dmat3 to_world = against_gradient(scene.grid.direction, scene.grid.spacing);
+    constexpr double largest_difference = 2;  // of values that Gradients scales to at most 1
+    for (int k = 0; k < 3; ++k)
+      for (int row = 0; row < 3; ++row) steepest_ += 2 * largest_difference * std::abs(to_world[k][row]);
+  }
+
+  PixelBounds along(Pixel pixel) const {
+    const auto hits = [&](const Rays& rays) {
+      const LatticeRay ray = rays.through(pixel);
+      return ray.enter < ray.leave;
+    };
+    const LatticeRay ray = rays_.through(pixel);
+    if (!(ray.enter < ray.leave)) return hits(grown_) ? PixelBounds{} : PixelBounds{Rgba(0.0), Rgba(0.0)};
+    Sight sight{{}, 1, 1 / (ray.leave - ray.enter), most_pieces_};
+    for (const Passage& passage : passages(scene_, ray)) {
+      if (hidden(sight)) break;
+      pass(ray, passage, sight);
+    }
+    PixelBounds bounds = bounds_of(composited(sight));
+    if (!hits(shrunk_)) bounds.low = Rgba(0.0);
+    return bounds;
+  }
+
+ private:
+  /// What was seen of a ray from the front.
+  struct Sight {
+    std::vector<EnclosedPiece> pieces;
+    Interval transmittance;
+    double part_of_ray;  ///< that a unit length is
+    int pieces_left;
+    void add(EnclosedPiece piece) {
+      transmittance = clamped(transmittance * piece.transmittance, 0, 1);
+      pieces.push_back(std::move(piece));
+    }
+  };
+
+  /// Whether what is behind may be left open.
+  bool hidden(const Sight& sight) const {
+    constexpr double share = 0.125;
+    return sight.transmittance.upper() < share * width_;
+  }
+
+  /// From the back to the front.
+  EnclosedPiece composited(const Sight& sight) const {
+    EnclosedPiece seen;
+    const Interval any{0, 1};
+    if (hidden(sight)) seen = {{any, any, any}, any};
+    for (std::size_t i = sight.pieces.size(); i-- > 0;) seen = behind(sight.pieces[i], seen);
+    return seen;
+  }
+
+  LatticeBox resized(double by) const {
+    const LatticeBox box = voxel_faces(scene_);
+    return {box.low - by, box.high + by};
+  }
+
+  static PixelBounds bounds_of(const EnclosedPiece& seen) {
+    PixelBounds bounds;
+    const double behind = seen.transmittance.upper();
+    for (int c = 0; c < 3; ++c) {
+      const Interval& colour = seen.colour[std::size_t(c)];
+      bounds.low[c] = std::max(0.0, colour.lower());
+      bounds.high[c] = std::min(1.0, colour.upper());
+    }
+    bounds.low.a = 1 - behind;
+    bounds.high.a = 1 - seen.transmittance.lower();
+    // Whatever was no number proves nothing.
+    for (int c = 0; c < 4; ++c)
+      if (!(bounds.low[c] <= bounds.high[c])) return {};
+    return bounds;
+  }
+
+  void pass(const LatticeRay& ray, const Passage& passage, Sight& sight) const {
+    if (!(passage.length.lower() > 0) || beside_other_medium(ray, passage)) {
+      sight.add(unknown(passage));
+      return;
+    }
+    const Cell shown = scene_.nearest() ? Cell{passage.nearest, passage.nearest} : passage.cell;
+    const auto values = cell_values(scene_, curve_, shown);
+    if (!values) return;
+    const Medium medium = medium_of(ray, passage, *values);
+    if (!curve_.visible(values->low - medium.extra, values->high + medium.extra)) return;
+    const auto value_at = [&](double part) {
+      return median(series_of<0>(medium.value, Interval(part), 0)[0]);
+    };
+    const std::vector<double> cuts = cuts_at_knots(cubic_along(0, 1, value_at), curve_.knots());
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
+      if (cuts[i] < cuts[i + 1]) refine(medium, passage, cuts[i], cuts[i + 1], sight);
+  }
+
+  /// Where a ray runs along a face, or along an edge, what is on the other side counts as well.
+  bool beside_other_medium(const LatticeRay& ray, const Passage& passage) const {
+    if (!scene_.nearest()) return passage.beside > 0 && !values_around(passage);
+    for (int k = 0; k < 3; ++k) {
+      if (!may_run_along_faces(ray.step[k])) continue;
+      for (const double s : {passage.enter, passage.leave}) {
+        constexpr double towards_greater = 1e-9;  // as nearest_voxel() rounds
+        const double place = ray.at(s)[k] + 0.5 + towards_greater - passage.nearest[k];
+        if (!(place > tube && place < 1 - tube)) return true;
+      }
+    }
+    return false;
+  }
+
+  Polynomial value_of(const CellValues& values, const Passage& passage) const {
+    if (values.low == values.high) return {Interval(values.low), 0.0, 0.0, 0.0};
+    Corners<Interval> corners;
+    std::copy(values.corners.begin(), values.corners.end(), corners.begin());
+    return along_passage(corners, passage);
+  }
+
+  Medium medium_of(const LatticeRay& ray, const Passage& passage, const CellValues& values) const {
+    Medium medium{value_of(values, passage), std::nullopt, 0};
+    // Each axis changes the field by less than the values' range a voxel.
+    if (passage.beside > 0) medium.extra = 3 * passage.beside * width(values_);
+    if (medium.extra > 0) medium.value[0] += within(medium.extra);
+    if (!scene_.shaded()) return medium;
+    const Corners<glm::dvec3> normals = cell_normals(gradients_, passage.cell);
+    const bool level =
+        std::all_of(normals.begin(), normals.end(), [](const glm::dvec3& n) { return n == glm::dvec3(0.0); });
+    if (level && passage.beside == 0) return medium;
+    std::array<Polynomial, 3> normal;
+    for (int k = 0; k < 3; ++k) {
+      Corners<Interval> corners;
+      for (std::size_t c = 0; c < 8; ++c) {
+        constexpr double rounding = 1e-14;
+        corners[c] = normals[c][k] + within(rounding * glm::length(normals[c]));
+      }
+      normal[std::size_t(k)] = along_passage(corners, passage);
+      normal[std::size_t(k)][0] += within(3 * passage.beside * steepest_);
+    }
+    medium.light.emplace(scene_.frame.shown.material, phong_.to_light(), ray.to_viewer, normal);
+    return medium;
+  }
+
+  /// The values of all voxels that a ray beside the passage's cell may see; nothing where one is no number.
+  std::optional<Interval> values_around(const Passage& passage) const {
+    Interval all = Interval::empty();
+    const glm::ivec3 first = glm::max(passage.cell.low - 1, 0),
+                     last = glm::min(passage.cell.high + 1, scene_.grid.dims - 1);
+    bool complete = true;
+    for (int z = first.z; z <= last.z; ++z)
+      for (int y = first.y; y <= last.y; ++y)
+        for (int x = first.x; x <= last.x; ++x) {
+          const double v = curve_.bounded(scene_.values[scene_.index({x, y, z})]);
+          complete = complete && !std::isnan(v);
+          if (!std::isnan(v)) all = hull(all, Interval(v));
+        }
+    return complete ? std::optional(all) : std::nullopt;
+  }
+
+  /// The piece [a, b] of a passage, in parts of it, or its halves where its bounds are too wide.
+  void refine(const Medium& medium, const Passage& passage, double a, double b, Sight& sight) const {
+    const Part part(passage.length, a, b);
+    const double front = sight.transmittance.upper(), middle = 0.5 * (a + b);
+    const auto narrow = [&](const EnclosedPiece& piece) {
+      const double share = std::max((b - a) * (passage.leave - passage.enter) * sight.part_of_ray,
+                                    front * (1 - piece.transmittance.lower()));
+      constexpr double always = 2e-4;  // where what is shown jumps
+      return front * piece.width() <= width_ * std::max(always, 0.4 * share);
+    };
+    const Extremes extremes = extremes_of(lines_, medium, part);
+    EnclosedPiece piece = between(extremes, part);
+    --sight.pieces_left;
+    if (!narrow(piece))
+      if (const auto smooth = expanded(lines_, medium, extremes, part)) piece = *smooth;
+    // Of a passage: values are not known more exactly.
+    constexpr double shortest = 1e-8;
+    if (narrow(piece) || b - a < shortest || sight.pieces_left <= 0) {
+      sight.add(piece);
+      return;
+    }
+    refine(medium, passage, a, middle, sight);
+    if (hidden(sight)) return;
+    refine(medium, passage, middle, b, sight);
+  }
+
+  /// A passage of which only what is near it is known.
+  EnclosedPiece unknown(const Passage& passage) const {
+    Extremes e;
+    const auto around = values_around(passage);
+    e.value = around.value_or(values_);
+    const auto values = cell_values(scene_, curve_, passage.cell);
+    if (values && around && !scene_.nearest()) {
+      constexpr double voxels = 1e-6;  // many times what a passage of no sure length crosses
+      e.value = series_of<0>(value_of(*values, passage), Interval(0.5), 0.5)[0] +
+                within(3 * voxels * width(values_));
+    }
+    e.of_curve = lines_.over(e.value);
+    const PhongMaterial& material = scene_.frame.shown.material;
+    if (scene_.shaded())
+      e.light = {hull(Interval(1), Interval(material.ambient, material.ambient + material.diffuse)),
+                 Interval(0, material.specular),
+                 {}};
+    EnclosedPiece piece = between(e, Part(passage.length, 0, 1));
+    piece.transmittance = {piece.transmittance.lower(), 1};
+    return piece;
+  }
+
+  double width_;
+  int most_pieces_;
+  EnclosedCurve lines_;
+  Gradients gradients_;
+  Rays grown_, shrunk_;
+  Interval values_ = 0;  ///< of all voxels that are numbers
+  double steepest_ = 0;  ///< how much a normal's component changes from voxel to voxel, at most
+};
+
+}  // namespace
+
+double PixelBounds::width() const {
+  double most = 0;
+  for (int c = 0; c < 4; ++c) most = std::max(most, high[c] - low[c]);
+  return most;
+}
+
+Rgba PixelBounds::farthest_from(const Rgba& colour) const {
+  Rgba far;
+  for (int c = 0; c < 4; ++c)
+    far[c] = std::abs(colour[c] - low[c]) > std::abs(colour[c] - high[c]) ? low[c] : high[c];
+  return far;
+}
+
+std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pixel> pixels, double width,
+                                          int most_pieces) {
+  if (scene.frame.shown.mode != Mode::composite)
+    throw InputError("only --mode composite has certified bounds",
+                     "measure other modes by --error field: they are exact but for float32");
+  if (scene.frame.shown.clip) return certified_bounds(cropped(scene), pixels, width, most_pieces);
+  const Certifier certifier(scene, width, most_pieces);
+  return along_rays(scene, pixels, [&](Pixel pixel) { return certifier.along(pixel); });
+}
+
+}  // namespace ringsplat::truth

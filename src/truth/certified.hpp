@@ -1,0 +1,26 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "truth/scene.hpp"
+
+namespace ringsplat::truth {
+
+/// Between which numbers a pixel's four channels surely are.
+struct PixelBounds {
+  Rgba low{0.0}, high{1.0};
+  double width() const;  ///< of the widest channel
+  Rgba middle() const { return 0.5 * (low + high); }
+  Rgba nearest_to(const Rgba& colour) const { return glm::clamp(colour, low, high); }
+  Rgba farthest_from(const Rgba& colour) const;
+};
+
+/// Bounds of the field's integral (field_truth), proved by arithmetic of intervals: docs/certified.md has the
+/// proof. They are refined until no channel is wider than `width`, in a colour from 0 to 1, or until
+/// `most_pieces` of a ray have been enclosed: bounds are then wider, but hold as well. All cores.
+///
+/// Throws InputError for modes other than compositing.
+std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pixel> pixels, double width,
+                                          int most_pieces = 50'000);
+
+}  // namespace ringsplat::truth
