@@ -188,7 +188,7 @@ class CountingEngine final : public EngineDecorator {
 
 class MeasuringEncoder final : public EncoderDecorator {
  public:
-  MeasuringEncoder(std::unique_ptr<Encoder> inner, std::unique_ptr<Meter> meter)
+  MeasuringEncoder(std::unique_ptr<Encoder> inner, Meter meter)
       : EncoderDecorator(std::move(inner)), meter_(std::move(meter)) {}
 
   void begin(int step) override {
@@ -197,7 +197,7 @@ class MeasuringEncoder final : public EncoderDecorator {
   }
   EncodedStep finish() override {
     EncodedStep step = inner_->finish();
-    const std::vector<PaintWork> work = meter_->work_of(step_, step.parts);
+    const std::vector<PaintWork> work = meter_(step_, step.parts);
     for (std::size_t r = 0; r < step.parts.size(); ++r)
       if (Bytes& payload = step.parts[r].payload; !payload.empty())
         payload = measured_payload({Message::body_size(payload), work[r]});
@@ -205,7 +205,7 @@ class MeasuringEncoder final : public EncoderDecorator {
   }
 
  private:
-  std::unique_ptr<Meter> meter_;
+  Meter meter_;
   int step_ = 0;
 };
 
@@ -281,8 +281,7 @@ Bytes measured_payload(const MeasuredPayload& payload) {
   return body;
 }
 
-std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner,
-                                                std::unique_ptr<Meter> meter) {
+std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner, Meter meter) {
   return std::make_unique<MeasuringEncoder>(std::move(inner), std::move(meter));
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <glm/common.hpp>
 #include <glm/vec2.hpp>
 #include <memory>
@@ -25,19 +26,15 @@ struct PaintWork {
   std::uint64_t blocks = 0, samples = 0;
 };
 
-/// Counts what a frame's payloads will take Painters, in the units of the engine that made them.
-class Meter {
- public:
-  virtual ~Meter() = default;
-  /// By Renderer. `parts`: what an encoder that knows of no opaque pixels made of the slice of `step`.
-  virtual std::vector<PaintWork> work_of(int step, const std::vector<EncodedPart>& parts) = 0;
-};
+/// Counts what a slice's payloads will take Painters, in the units of the engine that made them, by Renderer.
+/// `parts`: what an encoder that knows of no opaque pixels made of the slice of `step`.
+using Meter = std::function<std::vector<PaintWork>(int step, const std::vector<EncodedPart>& parts)>;
 
 /// Of splats, the pixels that are composited: as whole windows of kernels, so a few more than are. Each voxel
 /// stands for `voxel_weight` of its slice.
-std::unique_ptr<Meter> make_splat_meter(std::shared_ptr<const SplatFrame> frame, double voxel_weight = 1);
+Meter make_splat_meter(std::shared_ptr<const SplatFrame> frame, double voxel_weight = 1);
 /// Of sheets, the blocks that Renderers look at and the pixels between slices that they paint.
-std::unique_ptr<Meter> make_sheet_meter(std::shared_ptr<const SheetFrame> frame);
+Meter make_sheet_meter(std::shared_ptr<const SheetFrame> frame);
 
 /// The payload of a slice that is only counted: what is left of the one that would have been sent.
 struct MeasuredPayload {
@@ -47,7 +44,7 @@ struct MeasuredPayload {
 Bytes measured_payload(const MeasuredPayload& payload);
 
 /// An encoder whose payloads are measured ones of `inner`'s.
-std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner, std::unique_ptr<Meter> meter);
+std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner, Meter meter);
 
 /// A GP's encoder for a frame of sheets that is only counted, of a volume whose slices have `voxel_weight`
 /// times as many voxels: as many blocks as those have, as large on the screen, are looked at and sent.

@@ -65,12 +65,12 @@ class SampleCounter {
   VisibleTiles before_, behind_;  ///< of the slab before the first slice, and of that behind this one
 };
 
-class SheetMeter final : public Meter {
+class SheetMeter {
  public:
   explicit SheetMeter(std::shared_ptr<const SheetFrame> frame)
       : frame_(std::move(frame)), samples_(*frame_) {}
 
-  std::vector<PaintWork> work_of(int step, const std::vector<EncodedPart>& parts) override {
+  std::vector<PaintWork> operator()(int step, const std::vector<EncodedPart>& parts) {
     std::vector<PaintWork> work(parts.size());
     samples_.begin(step);
     for (std::size_t r = 0; r < parts.size(); ++r)
@@ -260,9 +260,7 @@ class WeighedEncoder final : public FrameEncoder<SheetFrame> {
 
 }  // namespace
 
-std::unique_ptr<Meter> make_sheet_meter(std::shared_ptr<const SheetFrame> frame) {
-  return std::make_unique<SheetMeter>(std::move(frame));
-}
+Meter make_sheet_meter(std::shared_ptr<const SheetFrame> frame) { return SheetMeter(std::move(frame)); }
 
 std::unique_ptr<Encoder> make_weighed_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
                                               const SliceStore& store, double voxel_weight) {

@@ -70,7 +70,7 @@ std::vector<PixelRuns> runs_in(const Regions& regions) {
   return runs;
 }
 
-class SplatMeter final : public Meter {
+class SplatMeter {
  public:
   SplatMeter(std::shared_ptr<const SplatFrame> frame, double voxel_weight)
       : frame_(std::move(frame)),
@@ -80,7 +80,7 @@ class SplatMeter final : public Meter {
              geometry().grid.slice_width(geometry().traversal.axis)),
         pixels_(runs_in(geometry().regions)) {}
 
-  std::vector<PaintWork> work_of(int step, const std::vector<EncodedPart>& parts) override {
+  std::vector<PaintWork> operator()(int step, const std::vector<EncodedPart>& parts) {
     std::vector<PaintWork> work(parts.size());
     slice_ = geometry().traversal.slice_at(step, geometry().slices);
     for (std::size_t r = 0; r < parts.size(); ++r) {
@@ -140,8 +140,8 @@ class SplatMeter final : public Meter {
 
 }  // namespace
 
-std::unique_ptr<Meter> make_splat_meter(std::shared_ptr<const SplatFrame> frame, double voxel_weight) {
-  return std::make_unique<SplatMeter>(std::move(frame), voxel_weight);
+Meter make_splat_meter(std::shared_ptr<const SplatFrame> frame, double voxel_weight) {
+  return SplatMeter(std::move(frame), voxel_weight);
 }
 
 }  // namespace ringsplat

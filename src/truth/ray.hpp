@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/common.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -72,6 +73,10 @@ struct Tracer {
         rays_(scene),
         curve_(scene.frame.shown.transfer_function),
         phong_(scene, rays_.view()) {}
+  /// From slice to slice of an axis along the ray, as it counts: in unit lengths, or one without correction.
+  double slice_length(const LatticeRay& ray, int axis) const {
+    return scene_.frame.shown.opacity_correction ? 1 / std::abs(ray.step[axis]) : 1.0;
+  }
   const Scene& scene_;
   Rays rays_;
   TransferCurve curve_;

@@ -206,8 +206,7 @@ class SheetTracer : Tracer {
   }
 
   double length(const LatticeRay& ray, const Sheet& front, const Sheet& back) const {
-    const double slice = scene_.frame.shown.opacity_correction ? 1 / std::abs(ray.step[axis_]) : 1.0;
-    return slice * std::abs(back.z - front.z);
+    return slice_length(ray, axis_) * std::abs(back.z - front.z);
   }
 
   void composite(const LatticeRay& ray, const SlabIntegral& slab, double opacity, Sheet& front, Sheet& back,

@@ -58,19 +58,12 @@ Kernel make_kernel(const glm::dvec2& step_u, const glm::dvec2& step_v, double ra
   return kernel;
 }
 
-/// Unit lengths between two neighbouring slices of `axis` along the ray.
-double slice_distance(const Grid& grid, const ViewTransform& view, int axis) {
-  const glm::dvec3 ray = glm::inverse(view.linear) * glm::dvec3(0, 0, 1);
-  const double smallest = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
-  return glm::length(grid.direction * (grid.spacing / smallest * (ray / std::abs(ray[axis]))));
-}
-
 /// The truth's data that are the same for every pixel.
-class Method {
+class Method : Tracer {
  public:
   explicit Method(const Scene& scene)
-      : scene_(scene),
-        view_(view_of(scene)),
+      : Tracer(scene),
+        view_(rays_.view()),
         traversal_(choose_traversal(view_, lattice_of(scene.grid))),
         axis_(int(traversal_.axis)),
         u_(in_plane(traversal_.axis).u),
@@ -78,9 +71,7 @@ class Method {
         kernel_(make_kernel(glm::dvec2(view_.linear[u_]), glm::dvec2(view_.linear[v_]),
                             scene.frame.as<Splats>().kernel_radius)),
         normalisation_(scene.frame.as<Splats>().kernel.normalisation),
-        distance_(scene.frame.shown.opacity_correction ? slice_distance(scene.grid, view_, axis_) : 1.0),
-        curve_(scene.frame.shown.transfer_function),
-        phong_(scene, view_),
+        distance_(slice_length(rays_.through({0, 0}), axis_)),
         gradients_(scene) {
     if (normalisation_ == Normalisation::none) kernel_.weight = 1;
     slice_.resize(std::size_t(scene.grid.dims[u_]) * std::size_t(scene.grid.dims[v_]));
@@ -168,15 +159,12 @@ class Method {
     behind.w *= 1 - opacity;
   }
 
-  const Scene& scene_;
-  ViewTransform view_;
+  const ViewTransform& view_;
   Traversal traversal_;
   int axis_, u_, v_;
   Kernel kernel_;
   Normalisation normalisation_;
-  double distance_;
-  TransferCurve curve_;
-  Phong phong_;
+  double distance_;  ///< unit lengths from slice to slice
   Gradients gradients_;
   std::vector<Rgba> slice_;
 };

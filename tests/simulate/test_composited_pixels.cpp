@@ -51,7 +51,7 @@ Pixels pixels_of(const FrameSpec& spec, const Grid& grid, double voxel_weight, i
     while (!encoder->work()) {
     }
     const EncodedStep encoded = encoder->finish();
-    for (const PaintWork& work : meter->work_of(step, encoded.parts)) pixels.counted += double(work.samples);
+    for (const PaintWork& work : meter(step, encoded.parts)) pixels.counted += double(work.samples);
     for (int r = 0; r < renderers; ++r) {
       const EncodedPart& part = encoded.parts[std::size_t(r)];
       if (part.payload.empty()) continue;

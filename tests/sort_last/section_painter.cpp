@@ -113,13 +113,13 @@ Drawn SectionPainter::draw(const FrameSpec& spec, Image& picture) {
   const auto frame = frame_of(spec);
   // A described machine's costs are those of looking at every voxel.
   const auto encoder = make_splat_encoder(frame, 1, store_, space_, threads_, !machine_);
-  const auto meter = machine_ ? make_splat_meter(frame) : nullptr;
+  const Meter meter = machine_ ? make_splat_meter(frame) : nullptr;
   painter_->begin_frame(frame);
   for (const int step : encoder->shown()) {
     encoder->begin(step);
     while (!encoder->work()) continue;
     const EncodedStep encoded = encoder->finish();
-    const double samples = meter ? double(meter->work_of(step, encoded.parts).front().samples) : 0;
+    const double samples = meter ? double(meter(step, encoded.parts).front().samples) : 0;
     const double cost = cost_of(encoded, samples);
     if (machine_) charge(cost);
     const int slice = section_.first + frame->geometry.traversal.slice_at(step, section_.slices());
