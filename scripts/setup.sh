@@ -18,7 +18,6 @@ drawing=(
   "libopenmpi-dev openmpi-bin: MPI"
   "libglm-dev libhwy-dev libfmt-dev libcli11-dev nlohmann-json3-dev zlib1g-dev libtbb-dev libboost-dev: everything"
   "libopenimageio-dev fonts-dejavu-core: pictures, and text in them"
-  "libpng-dev: pictures in builds without OpenImageIO"
   "libturbojpeg0-dev: JPEGs of the viewer's server"
   "libgdcm-dev: DICOM"
   "libhdf5-dev: HDF5"

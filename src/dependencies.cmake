@@ -24,17 +24,7 @@ find_package(Boost 1.74 REQUIRED)
 # Debian's OpenImageIO CMake package names an include folder of another package
 # (OpenEXR's Imath); pkg-config describes the same library without it.
 find_package(PkgConfig REQUIRED)
-option(RINGSPLAT_WITH_OPENIMAGEIO "Read and write pictures, read TIFF and draw text by OpenImageIO; OFF: PNG alone, by libpng" ON)
-if(RINGSPLAT_WITH_OPENIMAGEIO)
-  pkg_check_modules(OpenImageIO IMPORTED_TARGET OpenImageIO)
-  if(NOT OpenImageIO_FOUND)
-    message(FATAL_ERROR "There is no OpenImageIO (Debian: libopenimageio-dev). Install it, or write PNGs alone with "
-      "-DRINGSPLAT_WITH_OPENIMAGEIO=OFF.")
-  endif()
-  find_package(PNG QUIET)  # a test compares both
-else()
-  find_package(PNG REQUIRED)
-endif()
+pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET OpenImageIO)
 
 # Blocks of VTK's XML files, and Zarr's chunks.
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)

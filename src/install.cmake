@@ -11,17 +11,13 @@ target_link_libraries(ringsplat_library INTERFACE ${rooms})
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/ringsplat)
 set_target_properties(ringsplat_flags PROPERTIES EXPORT_NAME flags)
-set(libraries ringsplat_flags)
-if(RINGSPLAT_WITH_OPENIMAGEIO)
-  list(APPEND libraries ringsplat_openimageio)
-endif()
 # Nine tenths of a release are information for debuggers, which stays in the build.
 install(CODE [[
   if(NOT DEFINED CMAKE_INSTALL_DO_STRIP AND NOT CMAKE_INSTALL_CONFIG_NAME STREQUAL "Debug")
     set(CMAKE_INSTALL_DO_STRIP ON)
   endif()]])
 install(TARGETS ringsplat_cli ringsplat_decode_program ringsplat_c)
-install(TARGETS ringsplat_library ${libraries} ${rooms} EXPORT ringsplat-targets)
+install(TARGETS ringsplat_library ringsplat_flags ringsplat_openimageio ${rooms} EXPORT ringsplat-targets)
 install(EXPORT ringsplat-targets NAMESPACE ringsplat:: DESTINATION ${package_folder})
 set(left_out)
 if(NOT RINGSPLAT_WITH_MPI)

@@ -56,10 +56,8 @@ endfunction()
 # ringsplat_loads_images(TARGET folder...): in the build tree what it loads for images is beside it, too.
 function(ringsplat_loads_images target)
   ringsplat_run_path(${target} "$ORIGIN" ${ARGN})
-  if(RINGSPLAT_WITH_OPENIMAGEIO)
-    add_custom_command(TARGET ${target} POST_BUILD VERBATIM COMMAND ${CMAKE_COMMAND} -E create_symlink
-      $<TARGET_FILE:ringsplat_openimageio> $<TARGET_FILE_DIR:${target}>/$<TARGET_SONAME_FILE_NAME:ringsplat_openimageio>)
-  endif()
+  add_custom_command(TARGET ${target} POST_BUILD VERBATIM COMMAND ${CMAKE_COMMAND} -E create_symlink
+    $<TARGET_FILE:ringsplat_openimageio> $<TARGET_FILE_DIR:${target}>/$<TARGET_SONAME_FILE_NAME:ringsplat_openimageio>)
 endfunction()
 
 # ringsplat_program(TARGET room NAME library...): the program NAME of a room's main.cpp, which the room, then, is without.

@@ -19,17 +19,9 @@ namespace {
 /// The former name of --bundle, which still works and is in no help.
 constexpr const char* former_bundle = "--slab";
 
-/// What --version prints: the version, and which libraries this build has and which were left out. `mpi`
-/// names the library of the ranks; empty: there is none.
+/// What --version prints. `mpi` names the library of the ranks; empty: there is none.
 std::string version_text(const std::string& mpi) {
-  std::vector<std::string> with, without;
-  const auto add = [&](bool there, const std::string& name) { (there ? with : without).push_back(name); };
-  add(!mpi.empty(), mpi.empty() ? "MPI" : mpi);
-  add(RINGSPLAT_WITH_OPENIMAGEIO, "OpenImageIO");
-  std::string text = "ringsplat " RINGSPLAT_VERSION;
-  if (!with.empty()) text += "\nwith " + joined(with, ", ");
-  if (!without.empty()) text += "\nwithout " + joined(without, ", ");
-  return text;
+  return "ringsplat " RINGSPLAT_VERSION "\n" + (mpi.empty() ? "without MPI" : "with " + mpi);
 }
 
 /// TOML whose keys outside of any [section] are options of the subcommand on the command line.

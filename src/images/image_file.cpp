@@ -62,15 +62,10 @@ const ImageLibrary& image_library_of(const char* shared_library) {
   return *reinterpret_cast<decltype(&ringsplat_image_library)>(found)();
 }
 
-#if RINGSPLAT_WITH_OPENIMAGEIO
 const ImageLibrary& image_library() {
   static const ImageLibrary& loaded = image_library_of(RINGSPLAT_IMAGE_LIBRARY);
   return loaded;
 }
-#else
-// images/png/library.cpp, in this library
-const ImageLibrary& image_library() { return *ringsplat_image_library(); }
-#endif
 
 void require_image_library() {
   try {

@@ -142,10 +142,6 @@ void check_image_name(const fs::path& file, const std::string& option, bool tran
   if (format == nullptr)
     throw InputError(fmt::format("{} {} has no ending of a known picture format", option, file.string()),
                      "use .png, .exr, .tif, .tga or .jpg");
-  if (!RINGSPLAT_WITH_OPENIMAGEIO && std::string(format->ending) != ".png")
-    throw InputError(fmt::format("{} {}: {} is written by OpenImageIO, which this build does without", option,
-                                 file.string(), format->ending),
-                     "use .png, or build it with -DRINGSPLAT_WITH_OPENIMAGEIO=ON");
   if (transparent && !format->alpha)
     throw InputError(fmt::format("{} {}: this format cannot hold transparency", option, file.string()),
                      "give a --background, or write a .png");

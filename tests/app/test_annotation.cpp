@@ -124,8 +124,7 @@ TEST_CASE("the colour bar spans the values that can be seen, within the volume's
   CHECK(visible_span(band, range(-7, 9))->low == -7);
 }
 
-TEST_CASE("the colour bars of a series keep the first volume's values, or those of --range",
-          "[openimageio]") {
+TEST_CASE("the colour bars of a series keep the first volume's values, or those of --range") {
   const auto bars = [](const std::optional<DataRange>& window) {
     app::Annotation annotation(cube(), {}, std::nullopt, window);
     annotation.keep_range(range(0, 255));
@@ -144,8 +143,7 @@ TEST_CASE("the colour bars of a series keep the first volume's values, or those 
   CHECK_FALSE(same(first[0], window[0]));
 }
 
-TEST_CASE("all that is drawn lies in the picture, whatever its shape, and a tiny one has nothing",
-          "[openimageio]") {
+TEST_CASE("all that is drawn lies in the picture, whatever its shape, and a tiny one has nothing") {
   for (const World world : {World::lattice, World::patient, World::microscope})
     for (const auto& [width, height] : {std::pair{8, 8},
                                         {64, 64},
@@ -168,7 +166,7 @@ TEST_CASE("all that is drawn lies in the picture, whatever its shape, and a tiny
     }
 }
 
-TEST_CASE("a larger picture has larger letters, and a perspective one no scale bar", "[mpi][openimageio]") {
+TEST_CASE("a larger picture has larger letters, and a perspective one no scale bar", "[mpi]") {
   const auto tallest = [](const Overlay& overlay) {
     int most = 0;
     for (const Patch& p : overlay) most = std::max(most, p.height);
@@ -183,8 +181,7 @@ TEST_CASE("a larger picture has larger letters, and a perspective one no scale b
   CHECK(drawn(invisible).size() < drawn(frame(512, 512)).size());
 }
 
-TEST_CASE("values far from zero or close together have ticks that can be told apart, and end",
-          "[openimageio]") {
+TEST_CASE("values far from zero or close together have ticks that can be told apart, and end") {
   for (const auto& [low, high] :
        {std::pair{1e9, 1e9 + 10}, {-1e-30, 1e-30}, {-1e300, 1e300}, {1.0, 1.0 + 1e-15}}) {
     FrameSpec spec = frame(512, 512);
@@ -194,7 +191,7 @@ TEST_CASE("values far from zero or close together have ticks that can be told ap
   }
 }
 
-TEST_CASE("values farther apart than any number have no colour bar", "[openimageio]") {
+TEST_CASE("values farther apart than any number have no colour bar") {
   FrameSpec wide = frame(512, 512), clear = wide;
   wide.shown.transfer_function = ramp(-1.7e308, 1.7e308);
   clear.shown.transfer_function.opacities = {{0, 0}, {1, 0}};
@@ -203,8 +200,7 @@ TEST_CASE("values farther apart than any number have no colour bar", "[openimage
         annotation.overlay(clear, range(0, 255)).size());
 }
 
-TEST_CASE("annotations are drawn into a transparent picture, an opaque one and an .exr, and nowhere else",
-          "[openimageio]") {
+TEST_CASE("annotations are drawn into a transparent picture, an opaque one and an .exr, and nowhere else") {
   const Files files;
   for (const auto& [file, more] :
        std::vector<std::pair<std::string, std::vector<std::string>>>{{"x.png", {}},
@@ -225,7 +221,7 @@ TEST_CASE("annotations are drawn into a transparent picture, an opaque one and a
   }
 }
 
-TEST_CASE("what is measured of a picture is measured without its annotations", "[mpi][openimageio]") {
+TEST_CASE("what is measured of a picture is measured without its annotations", "[mpi]") {
   const Files files;
   const auto error_of = [&](std::vector<std::string> more) {
     more.insert(more.end(), {"--error", "method", "--stats", "-"});
@@ -238,7 +234,7 @@ TEST_CASE("what is measured of a picture is measured without its annotations", "
   CHECK(error_of({"--annotate"}) == error_of({}));
 }
 
-TEST_CASE("--annotate without a font says what to install, and writes nothing", "[mpi][openimageio]") {
+TEST_CASE("--annotate without a font says what to install, and writes nothing", "[mpi]") {
   const Files files;
   const auto attempt = [&](const std::string& font) {
     return run_command(

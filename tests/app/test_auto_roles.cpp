@@ -27,7 +27,7 @@ std::vector<std::string> render(const std::string& volume, const std::string& pi
 
 }  // namespace
 
-TEST_CASE("chosen roles are said, and give the bits of any others", "[mpi][openimageio]") {
+TEST_CASE("chosen roles are said, and give the bits of any others", "[mpi]") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
   REQUIRE(run_program(render(volume, folder / "one.exr", {})).code == 0);
@@ -62,7 +62,7 @@ TEST_CASE("chosen roles are said, and give the bits of any others", "[mpi][openi
   CHECK(given.at("idle") == 0);
 }
 
-TEST_CASE("what this machine's cores do is measured once and kept", "[mpi][openimageio]") {
+TEST_CASE("what this machine's cores do is measured once and kept", "[mpi]") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
   setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1);
@@ -96,7 +96,7 @@ TEST_CASE("what this machine's cores do is measured once and kept", "[mpi][openi
   unsetenv("XDG_CACHE_HOME");
 }
 
-TEST_CASE("roles that cannot be chosen are refused", "[mpi][openimageio]") {
+TEST_CASE("roles that cannot be chosen are refused", "[mpi]") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
   const auto refused = [&](const std::vector<std::string>& more, int ranks, const std::string& part) {
@@ -205,7 +205,7 @@ latency = 0
   CHECK_THAT(refused.err, Catch::Matchers::Contains("none.toml"));
 }
 
-TEST_CASE("a forecast knows what a host's link takes to carry", "[openimageio]") {
+TEST_CASE("a forecast knows what a host's link takes to carry") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
   const auto seconds = [&](const std::string& bandwidth, int gps, const std::string& roles) {

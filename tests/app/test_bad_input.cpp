@@ -305,18 +305,18 @@ void check_case(const Case& c, const Inputs& inputs, int ranks) {
 
 }  // namespace
 
-TEST_CASE("bad input is refused in one line in one process", "[mpi][openimageio]") {
+TEST_CASE("bad input is refused in one line in one process", "[mpi]") {
   const Inputs inputs;
   for (const auto& c : all_cases()) check_case(c, inputs, 0);
 }
 
-TEST_CASE("bad input is refused in one line on all ranks", "[mpi][openimageio]") {
+TEST_CASE("bad input is refused in one line on all ranks", "[mpi]") {
   const Inputs inputs;
   for (const auto& c : all_cases())
     if (c.with_mpi) check_case(c, inputs, 3);
 }
 
-TEST_CASE("options that do not fit the launcher's ranks are refused", "[mpi][openimageio]") {
+TEST_CASE("options that do not fit the launcher's ranks are refused", "[mpi]") {
   const Inputs inputs;
   const std::vector<Case> wrong{
       {{"+", "--gps", "4", "--renderers", "2"}, "need 6, but the job has 3"},
@@ -328,7 +328,7 @@ TEST_CASE("options that do not fit the launcher's ranks are refused", "[mpi][ope
   for (const auto& c : wrong) check_case(c, inputs, 3);
 }
 
-TEST_CASE("an image library that cannot be used is noticed before a voxel is read", "[openimageio]") {
+TEST_CASE("an image library that cannot be used is noticed before a voxel is read") {
   const Inputs inputs;
   const TemporaryFolder out;
   Dl_info other;  // any library that has no images

@@ -213,7 +213,7 @@ TEST_CASE("a calibration's key holds all that its measurements depend on") {
   CHECK(later.key() == key);
 }
 
-TEST_CASE("the budget that a hint allows is kept", "[mpi][openimageio]") {
+TEST_CASE("the budget that a hint allows is kept", "[mpi]") {
   const app_test::TemporaryFolder folder;
   setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1);
   const std::string volume = folder / "volume.nrrd";

@@ -52,7 +52,7 @@ struct Stacks {
 
 }  // namespace
 
-TEST_CASE("channels are added, each in its colour", "[openimageio]") {
+TEST_CASE("channels are added, each in its colour") {
   const Stacks stacks;
   const auto mode = GENERATE(as<std::string>{}, "mip", "mean", "sum", "minip");
   const Image one = stacks.picture("0=white", {"--mode", mode}),
@@ -69,7 +69,7 @@ TEST_CASE("channels are added, each in its colour", "[openimageio]") {
   CHECK((stacks.bytes("all", {"--mode", mode}) == stacks.bytes("0=magenta,1=#00ff00", {"--mode", mode})));
 }
 
-TEST_CASE("light through several channels is added up to 1", "[openimageio]") {
+TEST_CASE("light through several channels is added up to 1") {
   const Stacks stacks;
   const std::vector<std::string> more{"--mode", "composite", "--opacity", "3"};
   Image sum = stacks.picture("0=yellow", more);
@@ -78,7 +78,7 @@ TEST_CASE("light through several channels is added up to 1", "[openimageio]") {
   CHECK(stacks.picture("0=yellow,1=red", more) == sum);
 }
 
-TEST_CASE("a picture of channels has the same bits on any ranks", "[mpi][openimageio]") {
+TEST_CASE("a picture of channels has the same bits on any ranks", "[mpi]") {
   const Stacks stacks;
   const std::vector<std::vector<std::string>> pictures{
       {}, {"--mode", "composite"}, {"--quality", "paper"}, {"--orbit", "3"}};
@@ -97,7 +97,7 @@ TEST_CASE("a picture of channels has the same bits on any ranks", "[mpi][openima
   }
 }
 
-TEST_CASE("a series of channels has the transfer functions of the first volume", "[openimageio]") {
+TEST_CASE("a series of channels has the transfer functions of the first volume") {
   const Stacks stacks;
   fs::copy_file(stacks.file(2), stacks.folder / "s_0.nrrd");
   fs::copy_file(stacks.file(2), stacks.folder / "s_1.nrrd");
@@ -116,7 +116,7 @@ TEST_CASE("a series of channels has the transfer functions of the first volume",
   CHECK(settings.at("mode") == "mip");
 }
 
-TEST_CASE("what several channels cannot have is refused in a line", "[openimageio]") {
+TEST_CASE("what several channels cannot have is refused in a line") {
   const Stacks stacks;
   const auto refusal = [](const Ended& ended) {
     CHECK(ended.code == 2);

@@ -78,8 +78,7 @@ TEST_CASE("the part of a clip box that is wrong is named, and what is possible")
   CHECK(says(refusal("0.3:0.7mm,:,:"), "a voxel counts when its centre lies between"));
 }
 
-TEST_CASE("--clip draws the same bits on ranks, in a ring and in a mesh, with both engines",
-          "[mpi][openimageio]") {
+TEST_CASE("--clip draws the same bits on ranks, in a ring and in a mesh, with both engines", "[mpi]") {
   const Files files;
   const std::string alone = files.folder / "alone.exr";
   for (const std::string engine : {"splats", "sheets"}) {
@@ -103,8 +102,7 @@ TEST_CASE("--clip draws the same bits on ranks, in a ring and in a mesh, with bo
   }
 }
 
-TEST_CASE("a picture with --clip is its method's and near the field's truth of the same box",
-          "[openimageio]") {
+TEST_CASE("a picture with --clip is its method's and near the field's truth of the same box") {
   const Files files;
   for (const std::string engine : {"splats", "sheets"}) {
     const std::string truth = files.folder / "truth.exr";
@@ -146,7 +144,7 @@ TEST_CASE("info --clip tells what is in the part") {
   CHECK(json::parse(predicted.out)["prediction"]["visible_voxels"] < 34 * 11 * 29 + 1);
 }
 
-TEST_CASE("a clip box that is none of the volume's is refused before a voxel is read", "[mpi][openimageio]") {
+TEST_CASE("a clip box that is none of the volume's is refused before a voxel is read", "[mpi]") {
   const Files files;
   for (const int ranks : {0, 3}) {
     const Ended ended =
@@ -165,7 +163,7 @@ TEST_CASE("a clip box that is none of the volume's is refused before a voxel is 
   }
 }
 
-TEST_CASE("a budget knows the clip box", "[mpi][openimageio]") {
+TEST_CASE("a budget knows the clip box", "[mpi]") {
   const Files files;
   const Ended budget =
       run_program(files.render({"--max-error", "30", "--error", "field", "--error-pixels", "200"}));

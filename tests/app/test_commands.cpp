@@ -44,7 +44,7 @@ double opaque_part(const Image& image) {
 
 }  // namespace
 
-TEST_CASE("help and version go to stdout", "[mpi][openimageio]") {
+TEST_CASE("help and version go to stdout", "[mpi]") {
   const Workshop w;
   CHECK_THAT(w.must({"--version"}).out, Catch::Matchers::Contains("ringsplat "));
   const std::string help = w.must({"render", "--help"}).out;
@@ -56,7 +56,7 @@ TEST_CASE("help and version go to stdout", "[mpi][openimageio]") {
   CHECK_THAT(w.must({"synth", "--list"}).out, Catch::Matchers::Contains("shell"));
 }
 
-TEST_CASE("render writes a picture with something in it and says so", "[mpi][openimageio]") {
+TEST_CASE("render writes a picture with something in it and says so", "[mpi]") {
   const Workshop w;
   const Ended ended = w.render("x.exr");
   CHECK(ended.err.empty());
@@ -72,7 +72,7 @@ TEST_CASE("render writes a picture with something in it and says so", "[mpi][ope
   CHECK(settings.at("volume") == "shell.nrrd");
 }
 
-TEST_CASE("ranks, placement, transport and message order do not change a bit", "[mpi][openimageio]") {
+TEST_CASE("ranks, placement, transport and message order do not change a bit", "[mpi]") {
   const Workshop w;
   w.render("one.exr", {"--azimuth", "30"});
   const std::string one = read_text(w / "one.exr");
@@ -96,7 +96,7 @@ TEST_CASE("ranks, placement, transport and message order do not change a bit", "
   same({"--bundle", "1000", "--gps", "3", "--renderers", "2", "--shuffle"}, 0);
 }
 
-TEST_CASE("equal pictures are equal files, on any ranks and however they are divided", "[mpi][openimageio]") {
+TEST_CASE("equal pictures are equal files, on any ranks and however they are divided", "[mpi]") {
   const Workshop w;
   for (const std::string name : {"x.png", "x.exr"}) {
     std::string one;
@@ -111,7 +111,7 @@ TEST_CASE("equal pictures are equal files, on any ranks and however they are div
   }
 }
 
-TEST_CASE("an orbit makes numbered frames and a summary", "[mpi][openimageio]") {
+TEST_CASE("an orbit makes numbered frames and a summary", "[mpi]") {
   const Workshop w;
   const Ended ended = w.render(
       "turn.png", {"--orbit", "3", "--quality", "paper", "--gps", "2", "--stats", w / "turn.json"}, 3);
@@ -142,7 +142,7 @@ TEST_CASE("an orbit makes numbered frames and a summary", "[mpi][openimageio]") 
   }
 }
 
-TEST_CASE("an orbit's files and lines are those of one process, in order", "[mpi][openimageio]") {
+TEST_CASE("an orbit's files and lines are those of one process, in order", "[mpi]") {
   const Workshop w;
   for (const char* ending : {"png", "exr"}) {
     const std::string name = std::string("turn.") + ending;
@@ -182,7 +182,7 @@ TEST_CASE("only the slice sets that the views traverse are kept") {
   CHECK(kept({"--orbit", "4"}) == "xy");
 }
 
-TEST_CASE("a path renders its lines", "[mpi][openimageio]") {
+TEST_CASE("a path renders its lines", "[mpi]") {
   const Workshop w;
   write_text(w / "path.csv", "0 0\n90 0\n");
   w.render("walk.exr", {"--path", w / "path.csv"});
@@ -190,14 +190,14 @@ TEST_CASE("a path renders its lines", "[mpi][openimageio]") {
   CHECK(read_image(w / "walk-0001.exr").image == read_image(w / "side.exr").image);
 }
 
-TEST_CASE("the transfer function used can be written and read back", "[mpi][openimageio]") {
+TEST_CASE("the transfer function used can be written and read back", "[mpi]") {
   const Workshop w;
   w.render("a.exr", {"--tf-out", w / "tf.json"});
   w.render("b.exr", {"--tf", w / "tf.json"});
   CHECK(read_image(w / "a.exr").image == read_image(w / "b.exr").image);
 }
 
-TEST_CASE("a configuration file gives options and the command line overrides them", "[mpi][openimageio]") {
+TEST_CASE("a configuration file gives options and the command line overrides them", "[mpi]") {
   const Workshop w;
   write_text(w / "run.toml",
              "gps = 2\nrenderers = 2\nzoom = 2.0\nlight = [0.0, 0.0, 1.0]\nno-opacity-correction = true\n");
@@ -209,8 +209,7 @@ TEST_CASE("a configuration file gives options and the command line overrides the
   CHECK(stats.at("settings").at("opacity_correction") == false);
 }
 
-TEST_CASE("a picture with nothing in it is the background, takes no payload and says why",
-          "[mpi][openimageio]") {
+TEST_CASE("a picture with nothing in it is the background, takes no payload and says why", "[mpi]") {
   const Workshop w;
   const auto opaque_between = [&](int from, int to) {
     const std::string middle = std::to_string((from + to) / 2), low = std::to_string(from),
@@ -247,7 +246,7 @@ TEST_CASE("a picture with nothing in it is the background, takes no payload and 
   }
 }
 
-TEST_CASE("compare tells equal pictures from different ones", "[mpi][openimageio]") {
+TEST_CASE("compare tells equal pictures from different ones", "[mpi]") {
   const Workshop w;
   w.render("a.png");
   w.render("b.png", {"--azimuth", "5"});
@@ -324,7 +323,7 @@ TEST_CASE("the presets come as JSON too") {
             .size() == 1);
 }
 
-TEST_CASE("info and render warn once of what is wrong with a volume", "[mpi][openimageio]") {
+TEST_CASE("info and render warn once of what is wrong with a volume", "[mpi]") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "series");
   files::Dicom slice;
@@ -346,7 +345,7 @@ TEST_CASE("info and render warn once of what is wrong with a volume", "[mpi][ope
   }
 }
 
-TEST_CASE("info lists a folder's DICOM series, and --series takes one", "[mpi][openimageio]") {
+TEST_CASE("info lists a folder's DICOM series, and --series takes one", "[mpi]") {
   const TemporaryFolder folder;
   files::Dicom other;
   other.series = "1.2.3.400.50.6";
@@ -364,7 +363,7 @@ TEST_CASE("info lists a folder's DICOM series, and --series takes one", "[mpi][o
   CHECK(nlohmann::json::parse(one.out).at("series").size() == 2);
 }
 
-TEST_CASE("zero is never printed with a minus sign", "[mpi][openimageio]") {
+TEST_CASE("zero is never printed with a minus sign", "[mpi]") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "series");
   files::Dicom slice;
@@ -398,13 +397,13 @@ TEST_CASE("a file name that is not UTF-8 goes into statistics and pictures with 
   CHECK(run_program({"info", volume, "--json"}).code == 0);
 }
 
-TEST_CASE("no run leaves a file that was not asked for", "[mpi][openimageio]") {
+TEST_CASE("no run leaves a file that was not asked for", "[mpi]") {
   const Workshop w;
   w.render("x.png", {"--stats", w / "s.json", "--tf-out", w / "t.json"}, 2);
   CHECK(files_in(w.path()) == 4);
 }
 
-TEST_CASE("a verbose run says what every rank is there for", "[mpi][openimageio]") {
+TEST_CASE("a verbose run says what every rank is there for", "[mpi]") {
   const Workshop w;
   const Ended ended = w.render("x.png", {"--gps", "2", "--verbose"}, 3);
   for (const char* part :
@@ -412,7 +411,7 @@ TEST_CASE("a verbose run says what every rank is there for", "[mpi][openimageio]
     CHECK_THAT(ended.err, Catch::Matchers::Contains(part));
 }
 
-TEST_CASE("a frame that cannot be written ends the run on all ranks", "[mpi][openimageio]") {
+TEST_CASE("a frame that cannot be written ends the run on all ranks", "[mpi]") {
   const Workshop w;
   fs::create_directories(w / "turn-0001.png/in_the_way");
   for (const int ranks : {0, 3}) {

@@ -96,7 +96,7 @@ std::vector<Written> all_that_is_written(const Scene& s) {
 
 }  // namespace
 
-TEST_CASE("no room for a file ends the run with a message, and what was there stays", "[mpi][openimageio]") {
+TEST_CASE("no room for a file ends the run with a message, and what was there stays", "[mpi]") {
   const Scene scene;
   for (const Written& written : all_that_is_written(scene)) {
     CAPTURE(written.arguments, written.file);

@@ -236,7 +236,7 @@ TEST_CASE("a calibration is read back for its own key and settings only") {
   CHECK_FALSE(read_calibration(file, {settings[0]}).has_value());
 }
 
-TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", "[mpi][openimageio]") {
+TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", "[mpi]") {
   const Workshop w;
   for (const double budget : {5.0, 0.6, 0.3, 0.01}) {
     const Ended ended = w.render({"--max-error", std::to_string(budget)});
@@ -252,7 +252,7 @@ TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", 
   CHECK(w.calibrations() == 1);
 }
 
-TEST_CASE("a budget against the field is another one than against the method", "[mpi][openimageio]") {
+TEST_CASE("a budget against the field is another one than against the method", "[mpi]") {
   const Workshop w;
   const std::vector<std::string> splats{"--max-error",        "2", "--precision", "float",
                                         "--opaque-threshold", "0"};
@@ -274,7 +274,7 @@ TEST_CASE("a budget against the field is another one than against the method", "
                               Catch::Matchers::Contains("leave out the choice of an engine"));
 }
 
-TEST_CASE("a tight budget leaves the exact setting", "[mpi][openimageio]") {
+TEST_CASE("a tight budget leaves the exact setting", "[mpi]") {
   const Workshop w;
   const Ended ended = w.render({"--max-error", "0.0001"});
   INFO(ended.err);
@@ -285,8 +285,7 @@ TEST_CASE("a tight budget leaves the exact setting", "[mpi][openimageio]") {
   CHECK_THAT(ended.out, Catch::Matchers::Contains("--precision float --radius 1.6"));
 }
 
-TEST_CASE("a budget that cannot be kept ends the run before a picture, with what could be",
-          "[mpi][openimageio]") {
+TEST_CASE("a budget that cannot be kept ends the run before a picture, with what could be", "[mpi]") {
   const Workshop w;
   for (const int ranks : {0, 3}) {
     const Ended ended = w.render({"--max-error", "1e-9"}, ranks);
@@ -302,8 +301,7 @@ TEST_CASE("a budget that cannot be kept ends the run before a picture, with what
   CHECK_THAT(fixed.err, Catch::Matchers::Contains("leave out --precision"));
 }
 
-TEST_CASE("what the user gives is kept, and the error is against what the user asked for",
-          "[mpi][openimageio]") {
+TEST_CASE("what the user gives is kept, and the error is against what the user asked for", "[mpi]") {
   const Workshop w;
   REQUIRE(w.render({"--max-error", "5", "--radius", "1.5", "--precision", "half", "--opaque-threshold", "0",
                     "--image-plane", "screen", "--undersample", "1"})
@@ -316,7 +314,7 @@ TEST_CASE("what the user gives is kept, and the error is against what the user a
   CHECK(w.frame().at("error").at("rmse").get<double>() < 0.01);
 }
 
-TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi][openimageio]") {
+TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi]") {
   const Workshop w("shell");
   const std::vector<std::string> budget{"--max-error", "1",       "--tf", "mr-surface", "--shading",
                                         "phong",       "--orbit", "3",    "-o",         w / "turn.exr"};
@@ -349,7 +347,7 @@ TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi]
   CHECK(w.calibrations() == 2);
 }
 
-TEST_CASE("another transfer function, size or file is calibrated anew", "[mpi][openimageio]") {
+TEST_CASE("another transfer function, size or file is calibrated anew", "[mpi]") {
   const Workshop w;
   REQUIRE(calibrated(w.render({"--max-error", "1"})));
   CHECK(calibrated(w.render({"--max-error", "1", "--tf", "mr-soft"})));
@@ -360,7 +358,7 @@ TEST_CASE("another transfer function, size or file is calibrated anew", "[mpi][o
   CHECK(calibrated(w.render({"--max-error", "1"})));
 }
 
-TEST_CASE("a calibration that is damaged is made again, with a warning", "[mpi][openimageio]") {
+TEST_CASE("a calibration that is damaged is made again, with a warning", "[mpi]") {
   const Workshop w;
   REQUIRE(w.render({"--max-error", "1"}).code == 0);
   const fs::path file = w.calibration();
@@ -381,7 +379,7 @@ TEST_CASE("a calibration that is damaged is made again, with a warning", "[mpi][
   }
 }
 
-TEST_CASE("a calibration measures a small volume's views whole, whatever the seed", "[mpi][openimageio]") {
+TEST_CASE("a calibration measures a small volume's views whole, whatever the seed", "[mpi]") {
   const Workshop w("shell");
   std::vector<json> measured;
   for (const char* seed : {"1", "2"}) {
@@ -401,7 +399,7 @@ TEST_CASE("a calibration measures a small volume's views whole, whatever the see
   }
 }
 
-TEST_CASE("a picture over the budget is drawn again, more exactly", "[mpi][openimageio]") {
+TEST_CASE("a picture over the budget is drawn again, more exactly", "[mpi]") {
   const Workshop w;
   const std::vector<std::string> asked{"--orbit", "2", "--max-error", "0.01"};
   for (const int ranks : {0, 2}) {
@@ -424,8 +422,7 @@ TEST_CASE("a picture over the budget is drawn again, more exactly", "[mpi][openi
   }
 }
 
-TEST_CASE("a picture that breaks the budget however it is drawn is named, and the run ends with 1",
-          "[mpi][openimageio]") {
+TEST_CASE("a picture that breaks the budget however it is drawn is named, and the run ends with 1", "[mpi]") {
   const Workshop w;
   for (const int ranks : {0, 2}) {
     REQUIRE(w.render({"--max-error", "1"}, ranks).code == 0);
@@ -443,7 +440,7 @@ TEST_CASE("a picture that breaks the budget however it is drawn is named, and th
   }
 }
 
-TEST_CASE("a budget is kept at views between the axes", "[mpi][openimageio]") {
+TEST_CASE("a budget is kept at views between the axes", "[mpi]") {
   const Workshop w("shell");
   for (const char* budget : {"1.2", "2", "4"}) {
     const Ended ended = w.render({"--max-error", budget, "--error", "field", "--azimuth", "43", "--elevation",
@@ -477,7 +474,7 @@ TEST_CASE("what errs more than its setting should is drawn with one that is as m
   CHECK_FALSE(more_exact(table, Shortcuts{}, 3, 2, false).has_value());
 }
 
-TEST_CASE("a cache that cannot be written costs no more than the next calibration", "[mpi][openimageio]") {
+TEST_CASE("a cache that cannot be written costs no more than the next calibration", "[mpi]") {
   const Workshop w;
   app_test::write_text(w.cache(), "in the way");
   const Ended ended = w.render({"--max-error", "1"});

@@ -38,7 +38,7 @@ struct Studio {
 
 }  // namespace
 
-TEST_CASE("a film has all views as opaque pictures, on one process and on ranks", "[mpi][openimageio]") {
+TEST_CASE("a film has all views as opaque pictures, on one process and on ranks", "[mpi]") {
   const Studio studio;
   studio.ffmpeg("/bin/cp *.png " + studio.folder / "kept" + "; echo made > movie.mp4\n");
   for (const int ranks : {0, 3}) {
@@ -56,7 +56,7 @@ TEST_CASE("a film has all views as opaque pictures, on one process and on ranks"
   }
 }
 
-TEST_CASE("a film that fails leaves the file that had its name, and no frames", "[mpi][openimageio]") {
+TEST_CASE("a film that fails leaves the file that had its name, and no frames", "[mpi]") {
   const Studio studio;
   write_text(studio.film, "before");
   studio.ffmpeg("exit 7\n");
@@ -83,7 +83,7 @@ TEST_CASE("what cannot be a film is refused before anything is drawn, and so is 
   refused({"--path", "-"}, "--path -");
 }
 
-TEST_CASE("the ffmpeg that is installed makes a film that it can read", "[mpi][openimageio]") {
+TEST_CASE("the ffmpeg that is installed makes a film that it can read", "[mpi]") {
   const auto ffmpeg = find_program("ffmpeg");
   if (!ffmpeg) {
     WARN("skipped: install ffmpeg");

@@ -82,8 +82,7 @@ ValueStatistics positive_values() {
 
 }  // namespace
 
-TEST_CASE("an outlier changes neither what is seen nor the histogram, and one line says what was chosen",
-          "[openimageio]") {
+TEST_CASE("an outlier changes neither what is seen nor the histogram, and one line says what was chosen") {
   const Files files;
   REQUIRE(files.render(files.usual).code == 0);
   const Seen usual = seen_in(files.drawn());
@@ -110,8 +109,7 @@ TEST_CASE("an outlier changes neither what is seen nor the histogram, and one li
   CHECK(lines_with(text, "above").size() == 1);
 }
 
-TEST_CASE("the chosen transfer function and its picture are the same on 1, 2, 3 and 5 ranks",
-          "[mpi][openimageio]") {
+TEST_CASE("the chosen transfer function and its picture are the same on 1, 2, 3 and 5 ranks", "[mpi]") {
   const Files files;
   const std::string function = files.folder / "tf.json";
   std::string first;
@@ -125,7 +123,7 @@ TEST_CASE("the chosen transfer function and its picture are the same on 1, 2, 3 
   }
 }
 
-TEST_CASE("what was chosen goes to stderr when a file goes to stdout", "[mpi][openimageio]") {
+TEST_CASE("what was chosen goes to stderr when a file goes to stdout", "[mpi]") {
   const Files files;
   const Ended ended = files.render(files.usual, {"--tf-out", "-"});
   REQUIRE(ended.code == 0);
@@ -133,7 +131,7 @@ TEST_CASE("what was chosen goes to stderr when a file goes to stdout", "[mpi][op
   CHECK_THAT(ended.err, Catch::Matchers::Contains("--tf auto: "));
 }
 
-TEST_CASE("labels are found, told, and drawn without values between them", "[mpi][openimageio]") {
+TEST_CASE("labels are found, told, and drawn without values between them", "[mpi]") {
   const Files files;
   const Ended found = files.render(files.labels);
   REQUIRE(found.code == 0);
@@ -153,7 +151,7 @@ TEST_CASE("labels are found, told, and drawn without values between them", "[mpi
   CHECK(files.render(files.usual, {"--labels"}).code == 2);
 }
 
-TEST_CASE("a nearly empty picture is warned of, a useful one is not", "[mpi][openimageio]") {
+TEST_CASE("a nearly empty picture is warned of, a useful one is not", "[mpi]") {
   const Files files;
   const Ended thin = files.render(files.usual, {"--tf", "grey", "--opacity", "1e-5"});
   REQUIRE(thin.code == 0);
@@ -162,7 +160,7 @@ TEST_CASE("a nearly empty picture is warned of, a useful one is not", "[mpi][ope
   CHECK_THAT(usual.err, !Catch::Matchers::Contains("nearly empty"));
 }
 
-TEST_CASE("options of colours change the transfer function as they say", "[mpi][openimageio]") {
+TEST_CASE("options of colours change the transfer function as they say", "[mpi]") {
   const Files files;
   const std::string function = files.folder / "tf.json";
   const auto made = [&](std::vector<std::string> options) {
@@ -194,7 +192,7 @@ TEST_CASE("options of colours change the transfer function as they say", "[mpi][
   CHECK_THAT(run_program({"info", "--presets"}).out, Catch::Matchers::Contains("viridis"));
 }
 
-TEST_CASE("options of colours that cannot be are refused", "[mpi][openimageio]") {
+TEST_CASE("options of colours that cannot be are refused", "[mpi]") {
   const Files files;
   for (const auto& [options, words] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--range", "5"}, "is no window"},
@@ -213,7 +211,7 @@ TEST_CASE("options of colours that cannot be are refused", "[mpi][openimageio]")
   }
 }
 
-TEST_CASE("a map without opacities is shown as a ramp, and told", "[mpi][openimageio]") {
+TEST_CASE("a map without opacities is shown as a ramp, and told", "[mpi]") {
   const Files files;
   const fs::path map = files.folder / "map.json";
   write_text(map, R"([{"Name":"plain","RGBPoints":[0,0,0,1, 200,1,0,0]}])");

@@ -120,8 +120,7 @@ TEST_CASE("--view has its angles; left is the patient's where there is one") {
   CHECK(from(bottom) == Direction{0, -90});
 }
 
-TEST_CASE("the program turns a flat volume, says so in a line, and draws it alike on ranks",
-          "[mpi][openimageio]") {
+TEST_CASE("the program turns a flat volume, says so in a line, and draws it alike on ranks", "[mpi]") {
   const Files files;
   const Ended plain = files.render(files.x, {});
   CHECK(lines_with(plain.err, "the volume is flat").size() == 1);
@@ -134,8 +133,7 @@ TEST_CASE("the program turns a flat volume, says so in a line, and draws it alik
   CHECK(run_program({"compare", files.x, files.y, "--fail-above", "0"}).code == 1);
 }
 
-TEST_CASE("single views fit the box, turning ones the sphere, unless --fit says otherwise",
-          "[mpi][openimageio]") {
+TEST_CASE("single views fit the box, turning ones the sphere, unless --fit says otherwise", "[mpi]") {
   const Files files;
   write_text(files.folder / "path", "10 20\n");
   CHECK(files.camera({}).value("fit", "") == "box");
@@ -149,7 +147,7 @@ TEST_CASE("single views fit the box, turning ones the sphere, unless --fit says 
       files.camera({"--projection", "perspective", "--quality", "best", "--distance", "5"}).contains("fit"));
 }
 
-TEST_CASE("the reference sees what the picture sees", "[mpi][openimageio]") {
+TEST_CASE("the reference sees what the picture sees", "[mpi]") {
   const Files files;
   files.render(files.x, {"--shading", "none"});
   REQUIRE(run_program({"reference", files.flat, "-o", files.y, "--size", "96x64", "--tf", "grey", "--truth",

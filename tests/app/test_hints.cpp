@@ -63,7 +63,7 @@ std::string nrrd(const std::string& fields, const std::string& voxels) {
 
 }  // namespace
 
-TEST_CASE("hints of refused volumes work", "[openimageio]") {
+TEST_CASE("hints of refused volumes work") {
   const TemporaryFolder folder;
   std::string voxels;
   for (int i = 0; i < 64; ++i) voxels += char(4 * i);
@@ -100,7 +100,7 @@ TEST_CASE("hints of refused volumes work", "[openimageio]") {
       folder.path());
 }
 
-TEST_CASE("hints of refused options work", "[openimageio]") {
+TEST_CASE("hints of refused options work") {
   const TemporaryFolder folder;
   REQUIRE(run_program({"synth", "shell", "-o", folder / "a.nrrd", "--dims", "12"}).code == 0);
   const std::string start = "render {}/a.nrrd -o {}/x.png --size 32 ";

@@ -34,7 +34,7 @@ double srgb(double linear) {
 
 }  // namespace
 
-TEST_CASE("EXR keeps every bit", "[mpi][openimageio]") {
+TEST_CASE("EXR keeps every bit", "[mpi]") {
   const TemporaryFolder folder;
   Image image = ramp(37);
   image.pixel(3, 3)[0] = 17.25F;
@@ -46,7 +46,7 @@ TEST_CASE("EXR keeps every bit", "[mpi][openimageio]") {
   CHECK(back.settings == R"({"zoom": 2})");
 }
 
-TEST_CASE("8-bit pictures are straight sRGB, rounded to nearest", "[mpi][openimageio]") {
+TEST_CASE("8-bit pictures are straight sRGB, rounded to nearest", "[mpi]") {
   const TemporaryFolder folder;
   const Image image = ramp(64);
   for (const char* name : {"x.png", "x.tif", "x.tga"}) {
@@ -69,7 +69,7 @@ TEST_CASE("8-bit pictures are straight sRGB, rounded to nearest", "[mpi][openima
   }
 }
 
-TEST_CASE("a background is put behind the picture in linear light", "[mpi][openimageio]") {
+TEST_CASE("a background is put behind the picture in linear light", "[mpi]") {
   const TemporaryFolder folder;
   Image image(2, 1);
   // Half transparent black, and a fully transparent pixel.
@@ -97,7 +97,7 @@ TEST_CASE("display values come back to the linear light they were made from") {
         CHECK(back.image.pixel(x, y)[c] == Approx(image.pixel(x, y)[c]).margin(1.5 / 255));
 }
 
-TEST_CASE("settings are kept where the format can", "[mpi][openimageio]") {
+TEST_CASE("settings are kept where the format can", "[mpi]") {
   const TemporaryFolder folder;
   for (const char* name : {"x.png", "x.tif", "x.exr", "x.jpg"}) {
     INFO(name);
@@ -115,7 +115,7 @@ TEST_CASE("values that are no number become black, not noise") {
   CHECK(back.image.rgba == Image::Floats{0, 1, 0, 1});
 }
 
-TEST_CASE("the same picture gives the same bytes at any time", "[mpi][openimageio]") {
+TEST_CASE("the same picture gives the same bytes at any time", "[mpi]") {
   const TemporaryFolder folder;
   const std::vector<std::string> endings{".png", ".exr", ".tif"};
   for (const auto& ending : endings) write_image(ramp(16), folder / ("a" + ending), {}, "{}");
@@ -143,7 +143,7 @@ TEST_CASE("pictures that cannot be written or read are refused") {
   CHECK_THROWS_AS(read_image(folder / "x.png"), InputError);
 }
 
-TEST_CASE("the program starts without the libraries that only pictures need", "[mpi][openimageio]") {
+TEST_CASE("the program starts without the libraries that only pictures need", "[mpi]") {
   const TemporaryFolder folder;
   REQUIRE(std::system(
               ("ldd " + app_test::quoted(RINGSPLAT_PROGRAM) + " >" + app_test::quoted(folder / "libraries"))
@@ -153,7 +153,7 @@ TEST_CASE("the program starts without the libraries that only pictures need", "[
   CHECK(libraries.find("OpenImageIO") == std::string::npos);
 }
 
-TEST_CASE("A picture in memory has the bytes of its file", "[mpi][openimageio]") {
+TEST_CASE("A picture in memory has the bytes of its file", "[mpi]") {
   const TemporaryFolder folder;
   for (const std::string ending : {".png", ".exr"}) {
     write_image(ramp(9), folder / ("a" + ending), glm::dvec3(0.5), "{}");

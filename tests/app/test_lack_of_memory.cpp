@@ -31,7 +31,7 @@ void check_end(const Ended& ended, int megabytes) {
 
 }  // namespace
 
-TEST_CASE("a process without memory says so", "[mpi][openimageio]") {
+TEST_CASE("a process without memory says so", "[mpi]") {
   const Files files;
   int failed = 0;
   for (int megabytes = 60; megabytes < 1000; megabytes += megabytes < 360 ? 20 : 60) {
@@ -43,7 +43,7 @@ TEST_CASE("a process without memory says so", "[mpi][openimageio]") {
   CHECK(failed > 3);
 }
 
-TEST_CASE("a rank without memory says so and ends the job", "[mpi][openimageio]") {
+TEST_CASE("a rank without memory says so and ends the job", "[mpi]") {
   const Files files;
   const std::vector<RankGroup> with{{1, files.folder.path(), files.render()},
                                     {1, files.folder.path(), {}, "prlimit"}};

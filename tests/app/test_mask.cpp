@@ -21,7 +21,7 @@ TEST_CASE("a mask is a file, or a file and labels of it") {
   CHECK(says(refusal("s=5-3"), "has a range of labels that ends before it begins"));
 }
 
-TEST_CASE("--mask shows what a segmentation covers, with the same bits on ranks", "[mpi][openimageio]") {
+TEST_CASE("--mask shows what a segmentation covers, with the same bits on ranks", "[mpi]") {
   const TemporaryFolder folder;
   const std::string volume = folder / "jack.nrrd", large = folder / "ball.nrrd", picture = folder / "x.exr",
                     alone = folder / "alone.exr", whole = folder / "whole.exr";

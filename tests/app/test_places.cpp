@@ -54,8 +54,7 @@ TEST_CASE("threads that have to share cores are pointed out, with what to do") {
       Contains("rank 1") && Contains("1 core(s)") && Contains("--bind-to none") && Contains("slot:PE=3"));
 }
 
-TEST_CASE("a picture has the same bits with threads, in one process and on ranks",
-          "[threads][mpi][openimageio]") {
+TEST_CASE("a picture has the same bits with threads, in one process and on ranks", "[threads][mpi]") {
   using namespace ringsplat::app_test;
   const TemporaryFolder folder;
   const std::string volume = folder / "gaussians.nrrd", alone = folder / "alone.exr",

@@ -63,7 +63,7 @@ TEST_CASE("a pyramid's levels are the volume and its halves, where they were in 
   CHECK(finest->notes().unit == file->notes().unit);
 }
 
-TEST_CASE("a pyramid's picture has the bits of its volume's", "[mpi][openimageio]") {
+TEST_CASE("a pyramid's picture has the bits of its volume's", "[mpi]") {
   const TemporaryFolder folder;
   const std::string store = folder / "head.zarr", of_file = folder / "file.exr",
                     of_store = folder / "store.exr";

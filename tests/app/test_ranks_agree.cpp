@@ -100,7 +100,7 @@ void check_rendered(const Ended& ended, const Machines& machines) {
 
 }  // namespace
 
-TEST_CASE("ranks that see other volumes than rank 0 are refused by name and field", "[mpi][openimageio]") {
+TEST_CASE("ranks that see other volumes than rank 0 are refused by name and field", "[mpi]") {
   struct Case {
     std::string name, on_n0, on_n1, fragment;
     std::vector<std::string> more;
@@ -137,14 +137,14 @@ TEST_CASE("ranks that see other volumes than rank 0 are refused by name and fiel
   }
 }
 
-TEST_CASE("ranks that see copies of one volume render it, wherever the copies lie", "[mpi][openimageio]") {
+TEST_CASE("ranks that see copies of one volume render it, wherever the copies lie", "[mpi]") {
   const Machines machines;
   const std::string plain = nrrd("24 24 24", 24 * 24 * 24);
   machines.write("a.nrrd", plain, plain);
   check_rendered(machines.run(render("a.nrrd")), machines);
 }
 
-TEST_CASE("a rank that sees another page of a stack is refused by the page's name", "[mpi][openimageio]") {
+TEST_CASE("a rank that sees another page of a stack is refused by the page's name", "[mpi]") {
   const Machines machines;
   for (int k = 0; k < 2; ++k) {
     fs::create_directory(machines.n(k) / "stack");
@@ -163,7 +163,7 @@ TEST_CASE("a rank that sees another page of a stack is refused by the page's nam
   check_rendered(machines.run(render("stack")), machines);
 }
 
-TEST_CASE("a rank without the file is refused, unless only rank 0 reads it", "[mpi][openimageio]") {
+TEST_CASE("a rank without the file is refused, unless only rank 0 reads it", "[mpi]") {
   const Machines machines;
   write_text(machines.n(0) / "a.nrrd", nrrd("24 24 24", 24 * 24 * 24));
   check_refused(machines.run(render("a.nrrd")), machines, {"cannot open a.nrrd", "on rank 1"});
@@ -171,8 +171,7 @@ TEST_CASE("a rank without the file is refused, unless only rank 0 reads it", "[m
   check_rendered(machines.run(render("packed.nrrd")), machines);
 }
 
-TEST_CASE("ranks that were told other things than rank 0 are refused by the option's name",
-          "[mpi][openimageio]") {
+TEST_CASE("ranks that were told other things than rank 0 are refused by the option's name", "[mpi]") {
   const Machines machines;
   machines.write("a.nrrd", nrrd("24 24 24", 24 * 24 * 24), nrrd("24 24 24", 24 * 24 * 24));
   machines.write("set.toml", "zoom = 2\n", "zoom = 3\n");
@@ -198,7 +197,7 @@ TEST_CASE("ranks that were told other things than rank 0 are refused by the opti
                 {"subcommand render, rank 0 has (none)"});
 }
 
-TEST_CASE("ranks may be told the same in other words, and one may be verbose", "[mpi][openimageio]") {
+TEST_CASE("ranks may be told the same in other words, and one may be verbose", "[mpi]") {
   const Machines machines;
   machines.write("a.nrrd", nrrd("24 24 24", 24 * 24 * 24), nrrd("24 24 24", 24 * 24 * 24));
   write_text(machines.n(1) / "set.toml", "zoom = 2.0\nsize = 32\n");
@@ -231,7 +230,7 @@ TEST_CASE("what settled is what was given, in a file or by default, as one text 
   CHECK(value({}, "--config") == "missing");
 }
 
-TEST_CASE("ranks of another build are refused with both builds", "[mpi][openimageio]") {
+TEST_CASE("ranks of another build are refused with both builds", "[mpi]") {
   using ringsplat::InputError;
   using ringsplat::app::build_id;
   using ringsplat::app::require_same_build;

@@ -113,7 +113,7 @@ TEST_CASE("a range of frames goes from the first to before the last") {
 }
 
 TEST_CASE("the pictures of a series are those of its volumes by themselves, on any number of ranks",
-          "[mpi][openimageio]") {
+          "[mpi]") {
   const Series series;
   for (const auto& [ranks, roles] : std::vector<std::pair<int, std::vector<std::string>>>{
            {0, {}}, {1, {}}, {4, {}}, {4, {"--gps", "3", "--renderers", "1"}}}) {
@@ -135,8 +135,7 @@ TEST_CASE("the pictures of a series are those of its volumes by themselves, on a
   }
 }
 
-TEST_CASE("reduced and unshaded volumes of a series are those of the volumes by themselves",
-          "[mpi][openimageio]") {
+TEST_CASE("reduced and unshaded volumes of a series are those of the volumes by themselves", "[mpi]") {
   const Series series;
   for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
            {"--undersample", "2", "--prefilter"}, {"--clip", "2:20,3:15,4:18"}, {"--shading", "none"}}) {
@@ -164,7 +163,7 @@ TEST_CASE("pictures have the numbers that --frames counts by") {
   CHECK(series.same_as_alone("x-0001.png", 1));
 }
 
-TEST_CASE("the transfer function that is chosen for the first volume is kept for all", "[mpi][openimageio]") {
+TEST_CASE("the transfer function that is chosen for the first volume is kept for all", "[mpi]") {
   const Series series;
   auto words = series.render("0:2", {"--tf-out", series.folder / "auto.json"});
   *(std::find(words.begin(), words.end(), series.tf())) = "auto";
@@ -180,7 +179,7 @@ TEST_CASE("the transfer function that is chosen for the first volume is kept for
 }
 
 TEST_CASE("a volume of a series that cannot be read ends the run with 2 and its name, after those before it",
-          "[mpi][openimageio]") {
+          "[mpi]") {
   for (const int ranks : {0, 3}) {
     INFO(ranks << " ranks");
     for (const bool cut : {true, false}) {
@@ -228,7 +227,7 @@ TEST_CASE("a volume of denormal numbers is the same wherever it comes in a serie
   CHECK_FALSE(same("lit-0000.png", "plain-0000.png"));
 }
 
-TEST_CASE("one file's own frames are a series, as its volumes by themselves", "[mpi][openimageio]") {
+TEST_CASE("one file's own frames are a series, as its volumes by themselves", "[mpi]") {
   const TemporaryFolder folder;
   constexpr int frames = 3, side = 12;
   std::string voxels;
@@ -260,7 +259,7 @@ TEST_CASE("one file's own frames are a series, as its volumes by themselves", "[
         1);
 }
 
-TEST_CASE("a camera may move on with each volume of a series", "[mpi][openimageio]") {
+TEST_CASE("a camera may move on with each volume of a series", "[mpi]") {
   const Series series;
   const Ended ended = run_program(series.render("0:3", {"--orbit", "3"}), 2);
   INFO(ended.err);
@@ -271,7 +270,7 @@ TEST_CASE("a camera may move on with each volume of a series", "[mpi][openimagei
   CHECK_THAT(other.err, Catch::Matchers::Contains("give --orbit 3"));
 }
 
-TEST_CASE("what cannot be a series is refused with a way out", "[mpi][openimageio]") {
+TEST_CASE("what cannot be a series is refused with a way out", "[mpi]") {
   const Series series;
   const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
     const Ended ended = run_program(words);

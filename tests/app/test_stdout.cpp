@@ -75,7 +75,7 @@ TEST_CASE("--stats table, or a .txt, says by rank who worked and who waited", "[
   CHECK_FALSE(fs::exists("table"));
 }
 
-TEST_CASE("a timeline and a transfer function can go to stdout, but one text only", "[mpi][openimageio]") {
+TEST_CASE("a timeline and a transfer function can go to stdout, but one text only", "[mpi]") {
   const Files files;
   const Ended trace = files.render({"--trace", "-"});
   REQUIRE(trace.code == 0);
@@ -92,7 +92,7 @@ TEST_CASE("a timeline and a transfer function can go to stdout, but one text onl
   CHECK(lines_with(both.err, "same file").size() == 1);
 }
 
-TEST_CASE("reference names the options that change nothing in its truth", "[mpi][openimageio]") {
+TEST_CASE("reference names the options that change nothing in its truth", "[mpi]") {
   const Files files;
   const auto warned = [&](std::vector<std::string> more) {
     more.insert(more.begin(), {"reference", files.volume, "-o", files.folder / "t.exr", "--size", "8"});

@@ -24,7 +24,7 @@ struct Files {
 
 }  // namespace
 
-TEST_CASE("--trace writes a whole timeline, in one process and on five ranks", "[mpi][openimageio]") {
+TEST_CASE("--trace writes a whole timeline, in one process and on five ranks", "[mpi]") {
   for (const int ranks : {0, 5}) {
     INFO(ranks << " ranks");
     const Files files;
@@ -54,7 +54,7 @@ TEST_CASE("--trace writes a whole timeline, in one process and on five ranks", "
   }
 }
 
-TEST_CASE("a trace that cannot be written is refused before anything is rendered", "[mpi][openimageio]") {
+TEST_CASE("a trace that cannot be written is refused before anything is rendered", "[mpi]") {
   for (const int ranks : {0, 2}) {
     const Files files;
     for (const std::string& bad :

@@ -42,8 +42,7 @@ double rmse_of(const Workshop& w, const std::string& a, const std::string& b) {
 
 }  // namespace
 
-TEST_CASE("reference: the picture lies nearest to the method's truth, then the field's",
-          "[mpi][openimageio]") {
+TEST_CASE("reference: the picture lies nearest to the method's truth, then the field's", "[mpi]") {
   const Workshop w;
   w.must(w.view("render", "picture.exr"));
   w.must(with(w.view("reference", "method.exr"), {"--truth", "method"}));
@@ -63,7 +62,7 @@ TEST_CASE("reference: the picture lies nearest to the method's truth, then the f
 }
 
 TEST_CASE("render --error says the same as compare with the whole truth, in one process and on ranks",
-          "[mpi][openimageio]") {
+          "[mpi]") {
   const Workshop w;
   const std::vector<std::string> measuring{"--error", "field",   "--error-pixels",
                                            "10000",   "--stats", w / "stats.json"};
@@ -92,7 +91,7 @@ TEST_CASE("render --error says the same as compare with the whole truth, in one 
   CHECK(sampled[0].at("rmse_high") > sampled[0].at("rmse"));
 }
 
-TEST_CASE("a certificate holds what is measured, on any ranks", "[mpi][openimageio]") {
+TEST_CASE("a certificate holds what is measured, on any ranks", "[mpi]") {
   const Workshop w;
   const std::vector<std::string> all{"--error-pixels", "10000", "--stats", w / "stats.json"};
   w.must(with(with(w.view("render", "picture.exr"), all), {"--error", "field"}));
@@ -121,7 +120,7 @@ TEST_CASE("a certificate holds what is measured, on any ranks", "[mpi][openimage
   CHECK(rmse_of(w, "middle.exr", "field.exr") < 0.05);
 }
 
-TEST_CASE("an orbit's frames are each measured", "[mpi][openimageio]") {
+TEST_CASE("an orbit's frames are each measured", "[mpi]") {
   const Workshop w;
   const Ended ended = w.must(
       with(w.view("render", "picture.exr"), {"--orbit", "3", "--error", "method", "--error-pixels", "200"}));
@@ -151,8 +150,7 @@ TEST_CASE("truths that cannot be are refused with the way out") {
   CHECK_FALSE(fs::exists(w / "x.exr"));
 }
 
-TEST_CASE("a small volume's error is measured where the volume is, not where nothing can be wrong",
-          "[openimageio]") {
+TEST_CASE("a small volume's error is measured where the volume is, not where nothing can be wrong") {
   const Workshop w;
   const std::vector<std::string> far{"--zoom", "0.2"};
   w.must(with(with(w.view("reference", "field.exr"), far), {"--truth", "field"}));

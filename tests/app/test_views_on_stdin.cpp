@@ -32,7 +32,7 @@ struct Files {
 }  // namespace
 
 TEST_CASE("lines on stdin that give no view are skipped, the others are rendered, and the run ends with 2",
-          "[mpi][openimageio]") {
+          "[mpi]") {
   for (const int ranks : {0, 2}) {
     INFO(ranks << " ranks");
     const Files files;
@@ -83,7 +83,7 @@ TEST_CASE("a run that only waits for views says so, and not that it renders") {
   CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5", "--fit", "sphere"}));
 }
 
-TEST_CASE("views on stdin are each rendered, but not by every subcommand", "[mpi][openimageio]") {
+TEST_CASE("views on stdin are each rendered, but not by every subcommand", "[mpi]") {
   const Files files;
   const Ended ended = run_program(files.render({"--path", "-"}), 2, "10 5\n100 5\n");
   INFO(ended.err);

@@ -40,7 +40,7 @@ void write_chunks(const fs::path& folder, const ringsplat::Grid& grid, const std
 
 }  // namespace
 
-TEST_CASE("a head in chunks has the bytes of its picture on any ranks", "[mpi][openimageio]") {
+TEST_CASE("a head in chunks has the bytes of its picture on any ranks", "[mpi]") {
   const TemporaryFolder folder;
   const auto source = ringsplat::open_volume(fs::path(RINGSPLAT_TEST_DATA) / "head.nrrd");
   REQUIRE(source->grid().dims == glm::ivec3(128, 128, 124));
@@ -63,7 +63,7 @@ TEST_CASE("a head in chunks has the bytes of its picture on any ranks", "[mpi][o
   for (const int ranks : {2, 3}) CHECK((picture(chunks, ranks) == picture(file, ranks)));
 }
 
-TEST_CASE("the far corner of a volume of 134 gigavoxels is read and drawn alone", "[mpi][openimageio]") {
+TEST_CASE("the far corner of a volume of 134 gigavoxels is read and drawn alone", "[mpi]") {
   const TemporaryFolder folder;
   const fs::path large = folder / "large.zarr", corner = folder / "corner_64x64x64_uint8.raw";
   fs::create_directories(large);

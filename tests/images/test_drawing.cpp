@@ -33,7 +33,7 @@ TEST_CASE("a line covers its length times its thickness, in any direction") {
   }
 }
 
-TEST_CASE("a text grows with its letters, and lies above its baseline", "[openimageio]") {
+TEST_CASE("a text grows with its letters, and lies above its baseline") {
   const Mask small = text_mask("50 mm", 12), large = text_mask("50 mm", 48);
   CHECK(large.width == Approx(4 * small.width).epsilon(0.15));
   CHECK(covered(large) == Approx(16 * covered(small)).epsilon(0.25));
@@ -42,14 +42,14 @@ TEST_CASE("a text grows with its letters, and lies above its baseline", "[openim
   CHECK(large.y + large.height <= 2);
 }
 
-TEST_CASE("letters beyond ASCII are not drawn as others", "[openimageio]") {
+TEST_CASE("letters beyond ASCII are not drawn as others") {
   const auto micro = text_mask("\u00b5", 40).coverage;
   for (const char other : std::string("5<C"))  // that parts of its bytes would be
     CHECK(micro != text_mask(std::string(1, other), 40).coverage);
   CHECK(micro.size() > 100);
 }
 
-TEST_CASE("a text without ink has no pixels that could be drawn", "[openimageio]") {
+TEST_CASE("a text without ink has no pixels that could be drawn") {
   CHECK(covered(text_mask("", 20)) == 0);
   CHECK(covered(text_mask("  ", 20)) == 0);
 }

@@ -15,7 +15,6 @@ class Ringsplat(CMakePackage):
     version("0.1.0")
 
     variant("mpi", default=True, description="Render on MPI ranks; without it in one process")
-    variant("openimageio", default=True, description="Write and read other pictures than PNG, read TIFF, draw text")
 
     depends_on("c", type="build")
     depends_on("cxx", type="build")
@@ -24,8 +23,7 @@ class Ringsplat(CMakePackage):
     depends_on("pkgconfig", type="build")
 
     depends_on("mpi", when="+mpi")
-    depends_on("openimageio@2.4:", when="+openimageio")
-    depends_on("libpng", when="~openimageio")
+    depends_on("openimageio@2.4:")
     depends_on("gdcm@3:")
     depends_on("hdf5@1.10.7:~mpi")
     depends_on("boost@1.74:")
@@ -52,7 +50,6 @@ class Ringsplat(CMakePackage):
     def cmake_args(self):
         return [
             self.define_from_variant("RINGSPLAT_WITH_MPI", "mpi"),
-            self.define_from_variant("RINGSPLAT_WITH_OPENIMAGEIO", "openimageio"),
             self.define("RINGSPLAT_BUILD_TESTS", self.run_tests),
             self.define("RINGSPLAT_SIMULATION", "OFF"),
         ]

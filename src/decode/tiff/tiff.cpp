@@ -134,10 +134,6 @@ void place(const TiffFile& first, Grid& grid, VolumeNotes& notes) {
 }  // namespace
 
 std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const VolumeChoice& choice) {
-  if constexpr (!RINGSPLAT_WITH_OPENIMAGEIO)
-    refuse(path,
-           "build it with -DRINGSPLAT_WITH_OPENIMAGEIO=ON, or convert the file to a plain .nrrd or .mha",
-           "TIFF and PNG are read by OpenImageIO, which this build does without");
   std::optional<TiffFile> first;
   Taken taken;
   std::vector<TiffSlice> slices;
