@@ -164,7 +164,7 @@ void read_n5(const Node& node, Array& array) {
   array.n5 = array.big_endian = true;
   array.file = array.chunk = sizes_in(node, json.at("blockSize"));
   array.type = type_of(node, json.at("dataType").get<std::string>());
-  array.separator = "/";
+  array.separator = '/';
   const auto name = json.value("/compression/type"_json_pointer, "raw");
   if (name != "raw") set_compressor(node, name == "lz4" ? "LZ4 in frames" : name, array);
 }
