@@ -10,18 +10,80 @@
 #include <array>
 
 #include "sheet_engine/sheet_tiles-inl.hpp"
-#include "sheet_engine/voxels_on_way-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
+
+/// The voxels nearest to lanes on their way from a sheet to another within half a slice, so that they meet
+/// at most two along u and two along v. Beyond the outer voxels' centres those are the nearest.
+class VoxelsOnWay {
+ public:
+  static constexpr int most = 3;
+
+  HWY_INLINE VoxelsOnWay(const Position& from, const Position& to, std::int32_t most_u, std::int32_t most_v) {
+    const Steps u(from.u, to.u, most_u), v(from.v, to.v, most_v);
+    const M u_first = greater(v.crossing, u.crossing);
+    at_[0] = {u.first, v.first};
+    at_[1] = {choose(u_first, u.last, u.first), choose(u_first, v.first, v.last)};
+    at_[2] = {u.last, v.last};
+    end_[0] = min(u.crossing, v.crossing);
+    end_[1] = max(u.crossing, v.crossing);
+    end_[2] = set(1.0F);
+  }
+
+  /// What the lane with most voxels has.
+  HWY_INLINE int count() const {
+    return any(greater(end_[2], end_[1])) ? 3 : any(greater(end_[2], end_[0])) ? 2 : 1;
+  }
+  HWY_INLINE const Position& at(int k) const { return at_[k]; }
+  /// Shares of the way; voxels that a lane does not have end where they begin.
+  HWY_INLINE F begin(int k) const { return k == 0 ? set(0.0F) : end_[k - 1]; }
+  HWY_INLINE F end(int k) const { return end_[k]; }
+
+  /// Takes voxels of equal numbers for one; `numbers` has those of count() voxels.
+  HWY_INLINE void join(const F* numbers) {
+    const int n = count();
+    if (n == 3) end_[1] = choose(equal(numbers[1], numbers[2]), end_[2], end_[1]);
+    if (n > 1) end_[0] = choose(equal(numbers[0], numbers[1]), end_[1], end_[0]);
+  }
+
+ private:
+  /// Along one axis: the voxels at both ends, and the share of the way to the face between them.
+  struct Steps {
+    I first, last;
+    F crossing;
+
+    HWY_INLINE Steps(I from, I to, std::int32_t most) {
+      // Positions are rounded down, and of two voxels that are equally near the greater is the nearest.
+      constexpr std::int32_t rounding = 1;
+      const auto voxel = [&](I position) HWY_ATTR {
+        const I within = min(max(position, set_int(0)), set_int(most));
+        return down_signed<position_bits>(add(within, set_int(one_voxel / 2 + rounding)));
+      };
+      const I a = voxel(from), b = voxel(to);
+      const I face =
+          sub(up<position_bits>(max(a, min(b, add(a, set_int(1))))), set_int(one_voxel / 2 + rounding));
+      const M crosses = either(greater(a, b), greater(b, a));
+      const F way = choose(crosses, to_float(sub(to, from)), set(1.0F));
+      crossing =
+          choose(crosses, min(max(div(to_float(sub(face, from)), way), set(0.0F)), set(1.0F)), set(1.0F));
+      first = up<position_bits>(a);
+      last = up<position_bits>(b);
+    }
+  };
+
+  Position at_[most];
+  F end_[most];
+};
 
 /// Paints one group's pixels; see paint_group.hpp.
 template <class Sampler, class Rays>
 class GroupPainter : public SheetTiles<Sampler, Rays> {
   using Base = SheetTiles<Sampler, Rays>;
   using State = SheetPixels<Rays>;
-  using Base::composite, Base::entry_of, Base::find_gradients, Base::front_gradient, Base::gradient_behind,
-      Base::may_show, Base::most_u, Base::most_v, Base::place_of, Base::tiles, Base::unlit;
+  using Base::composite, Base::difference, Base::entry_of, Base::find_gradients, Base::front_gradient,
+      Base::gradient_behind, Base::lit_at, Base::may_show, Base::most_u, Base::most_v, Base::place_of,
+      Base::tiles, Base::unlit;
   using Base::count_, Base::list_, Base::p_, Base::rays_, Base::slab_, Base::state_, Base::work_;
   using typename Base::Gradients, typename Base::Work;
 
@@ -102,14 +164,6 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
     const auto [u, v] = rays_.at(s.ray, i);
     return both(both(greater(u, set_int(-half - 1)), greater(set_int(most_u() + half), u)),
                 both(greater(v, set_int(-half - 1)), greater(set_int(most_v() + half), v)));
-  }
-
-  static HWY_INLINE Gradient difference(const Gradient& a, const Gradient& b) {
-    return {sub(a.u, b.u), sub(a.v, b.v), sub(a.k, b.k)};
-  }
-  HWY_INLINE Reflected lit_at(const State& s, F way, const Gradient& front, const Gradient& change) const {
-    return Reflect(p_.light, rays_.viewer(s.ray),
-                   {fma(way, change.u, front.u), fma(way, change.v, front.v), fma(way, change.k, front.k)});
   }
 
   /// The opacity of as many of the table's slabs as there are from slice to slice.

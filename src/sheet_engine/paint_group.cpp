@@ -15,41 +15,38 @@ HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
 template <class Painter>
-void PaintBy(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
-             const TileMask* masks, std::ptrdiff_t mask_stride) {
+void PaintBy(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs) {
   Painter painter(paint, group);
-  for (std::size_t k = 0; k < slabs.size(); ++k)
-    if (const TileMask mask = masks[std::ptrdiff_t(k) * mask_stride]; mask != 0)
-      painter.paint(slabs[k], mask);
+  for (std::size_t k = 0; k < slabs.slabs.size(); ++k)
+    if (const TileMask mask = slabs.masks[std::ptrdiff_t(k) * slabs.stride]; mask != 0)
+      painter.paint(slabs.slabs[k], mask);
   painter.store_pixels();
 }
 
 template <class Sampler, class Rays>
-void PaintWith(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
-               const TileMask* masks, std::ptrdiff_t mask_stride) {
+void PaintWith(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs) {
   if (paint.projection.mode == Mode::composite)
-    PaintBy<GroupPainter<Sampler, Rays>>(paint, group, slabs, masks, mask_stride);
+    PaintBy<GroupPainter<Sampler, Rays>>(paint, group, slabs);
   else
-    PaintBy<ProjectionPainter<Sampler, Rays>>(paint, group, slabs, masks, mask_stride);
+    PaintBy<ProjectionPainter<Sampler, Rays>>(paint, group, slabs);
 }
 
 template <class Rays>
-void PaintAlong(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
-                const TileMask* masks, std::ptrdiff_t mask_stride, [[maybe_unused]] bool patches) {
-  if (paint.floats) return PaintWith<FloatSampler, Rays>(paint, group, slabs, masks, mask_stride);
+void PaintAlong(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs,
+                [[maybe_unused]] bool patches) {
+  if (paint.floats) return PaintWith<FloatSampler, Rays>(paint, group, slabs);
 #if RINGSPLAT_LANES_PATCHES
-  if (patches) return PaintWith<PatchSampler, Rays>(paint, group, slabs, masks, mask_stride);
+  if (patches) return PaintWith<PatchSampler, Rays>(paint, group, slabs);
 #endif
-  PaintWith<PairSampler, Rays>(paint, group, slabs, masks, mask_stride);
+  PaintWith<PairSampler, Rays>(paint, group, slabs);
 }
 
-void PaintGroup(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
-                const TileMask* masks, std::ptrdiff_t mask_stride) {
+void PaintGroup(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs) {
   if (const auto& eye = paint.rays.eye)
-    PaintAlong<EyeRays>(paint, group, slabs, masks, mask_stride,
+    PaintAlong<EyeRays>(paint, group, slabs,
                         eye->spans_less(group.x, group.y, group_side, tile_side, patch_span));
   else
-    PaintAlong<ParallelRays>(paint, group, slabs, masks, mask_stride, paint.rays.patches);
+    PaintAlong<ParallelRays>(paint, group, slabs, paint.rays.patches);
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -59,10 +56,6 @@ HWY_AFTER_NAMESPACE();
 namespace ringsplat {
 
 HWY_EXPORT(PaintGroup);
-
-std::int32_t fixed_position(double voxels) {
-  return static_cast<std::int32_t>(std::floor(voxels * one_voxel + 0.5));
-}
 
 float place_of_number(const PlaceMap& map, float number) {
   if (map.even) return std::fma(number, map.scale, map.offset);
@@ -74,9 +67,8 @@ float place_of_number(const PlaceMap& map, float number) {
   return place;
 }
 
-void paint_group(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
-                 const TileMask* masks, std::ptrdiff_t mask_stride) {
-  HWY_DYNAMIC_DISPATCH(PaintGroup)(paint, group, slabs, masks, mask_stride);
+void paint_group(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs) {
+  HWY_DYNAMIC_DISPATCH(PaintGroup)(paint, group, slabs);
 }
 
 }  // namespace ringsplat

@@ -25,7 +25,6 @@ inline constexpr int position_bits = 16;
 inline constexpr std::int32_t one_voxel = 1 << position_bits;
 /// No slice of a frame may be so many voxels wide or lie so many voxels beside another one.
 inline constexpr double most_voxels = 16384;
-std::int32_t fixed_position(double voxels);
 
 /// The planes round a slab and its sheets. Planes are pointers to voxel (0, 0); beyond the volume's first and
 /// last slice they are extrapolated.
@@ -139,10 +138,15 @@ struct PixelGroup {
   std::ptrdiff_t row_floats = 0;
 };
 
-/// Composites slabs, front to back, behind a group's pixels, or takes what they project; masks[k *
-/// mask_stride] has the tiles that may show something of slab k. A pixel's bits do not depend on the group's
-/// place, on how slabs are divided into calls, or on tiles that show nothing.
-void paint_group(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
-                 const TileMask* masks, std::ptrdiff_t mask_stride);
+/// Slabs, front to back; masks[k * stride] has the tiles of a group that may show something of slab k.
+struct MaskedSlabs {
+  std::span<const SheetSlab> slabs;
+  const TileMask* masks;
+  std::ptrdiff_t stride;
+};
+
+/// Composites slabs behind a group's pixels, or takes what they project. A pixel's bits do not depend on the
+/// group's place, on how slabs are divided into calls, or on tiles that show nothing.
+void paint_group(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs);
 
 }  // namespace ringsplat

@@ -286,9 +286,7 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
           Sampler::gradient(walk.front, (slab_->face ? after : walk.back) - before, sheet, p_.pitch);
       const Gradient back =
           Sampler::gradient(walk.back, after - (slab_->face ? before : walk.front), sheet, p_.pitch);
-      light = Reflect(p_.light, rays_.viewer(s.ray),
-                      {fma(w, sub(back.u, front.u), front.u), fma(w, sub(back.v, front.v), front.v),
-                       fma(w, sub(back.k, front.k), front.k)});
+      light = this->lit_at(s, w, front, Base::difference(back, front));
     }
     const TableSlab surface{set(1.0F), set(q_.colour[0]), set(q_.colour[1]), set(q_.colour[2]), {}, {}};
     this->composite(s, surface, only(found, set(1.0F)), light);

@@ -11,8 +11,7 @@
 
 #include "sheet_engine/lanes-inl.hpp"
 #include "sheet_engine/paint_group.hpp"
-#include "sheet_engine/reflection-inl.hpp"
-#include "sheet_engine/table_lanes-inl.hpp"
+#include "sheet_engine/slab_lanes-inl.hpp"
 
 /// The rays of a tile's lanes through a slab's sheets. Rays have
 ///   Tile           what they keep of a tile's lanes,

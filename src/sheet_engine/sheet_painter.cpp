@@ -298,7 +298,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
                         std::min(group_side, rect.height() - y),
                         image.pixels() + y * image.row_floats() + 4 * x,
                         image.row_floats()};
-      paint_group(paint_, pixels, std::span(slabs_).first(painting_), tiles_.masks_of(g), tiles_.stride());
+      paint_group(paint_, pixels, {std::span(slabs_).first(painting_), tiles_.masks_of(g), tiles_.stride()});
     }
   }
 

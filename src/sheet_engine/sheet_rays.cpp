@@ -212,10 +212,13 @@ SheetSlab make_slab(const SheetFrame& frame, const SheetRays& rays, int step) {
   const double way = frame.geometry.traversal.ascending ? 1 : -1;
   const double front = step < 0 ? frame.slice_at(0) - 0.5 * way : frame.slice_at(step);
   const double length = slab.face ? 0.5 : 1;
+  const auto fixed = [](double voxels) {
+    return static_cast<std::int32_t>(std::floor(voxels * one_voxel + 0.5));
+  };
   for (int i = 0; i <= slab.pieces; ++i) {
     const double at = front + way * length * i / slab.pieces;
-    slab.shift_u[std::size_t(i)] = fixed_position(rays.shear[0] * at);
-    slab.shift_v[std::size_t(i)] = fixed_position(rays.shear[1] * at);
+    slab.shift_u[std::size_t(i)] = fixed(rays.shear[0] * at);
+    slab.shift_v[std::size_t(i)] = fixed(rays.shear[1] * at);
     slab.slice[std::size_t(i)] = static_cast<float>(at - 0.5 * (slices - 1));
   }
   return slab;

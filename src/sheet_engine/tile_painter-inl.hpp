@@ -13,9 +13,8 @@
 #include "sheet_engine/lanes-inl.hpp"
 #include "sheet_engine/paint_group.hpp"
 #include "sheet_engine/rays-inl.hpp"
-#include "sheet_engine/reflection-inl.hpp"
 #include "sheet_engine/samplers-inl.hpp"
-#include "sheet_engine/table_lanes-inl.hpp"
+#include "sheet_engine/slab_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
@@ -156,6 +155,13 @@ class TilePainter {
     s.green = fma(added, lit(slab.green), s.green);
     s.blue = fma(added, lit(slab.blue), s.blue);
     s.opacity = add(s.opacity, added);
+  }
+  static HWY_INLINE Gradient difference(const Gradient& a, const Gradient& b) {
+    return {sub(a.u, b.u), sub(a.v, b.v), sub(a.k, b.k)};
+  }
+  HWY_INLINE Reflected lit_at(const State& s, F way, const Gradient& front, const Gradient& change) const {
+    return Reflect(p_.light, rays_.viewer(s.ray),
+                   {fma(way, change.u, front.u), fma(way, change.v, front.v), fma(way, change.k, front.k)});
   }
   static Reflected unlit() { return {set(1.0F), set(0.0F)}; }
 
