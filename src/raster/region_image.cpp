@@ -18,9 +18,10 @@ void RegionImage::begin_frame(float opaque_threshold) {
 }
 
 float* RegionImage::pixels() {
+  if (touched_) return pixels_.get();
   const std::size_t floats = std::size_t(row_floats_) * std::size_t(rect_.height());
   if (!pixels_) pixels_ = allocate_floats(floats);
-  if (!touched_) std::fill_n(pixels_.get(), floats, 0.0F);
+  std::fill_n(pixels_.get(), floats, 0.0F);
   touched_ = true;
   return pixels_.get();
 }

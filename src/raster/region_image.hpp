@@ -31,7 +31,7 @@ class RegionImage {
   /// False when pixels() was not called in this frame: the region is transparent.
   bool touched() const { return touched_; }
   /// RGBA of pixel (0, 0), to composite into. Rows are whole pixel blocks and 64-byte aligned. The frame's
-  /// first call makes all pixels transparent.
+  /// first call makes all pixels transparent; later ones change nothing, so that threads may share them.
   float* pixels();
   std::ptrdiff_t row_floats() const { return row_floats_; }
   /// Bits in which who draws may note opaque pixels: `words` for each row, in a layout of the caller's. They

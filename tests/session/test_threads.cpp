@@ -201,6 +201,17 @@ TEST_CASE("threads keep the bits of exact kernels, tables and opaque pixels", "[
     }
 }
 
+TEST_CASE("threads paint sheets into one image with the same bits", "[threads]") {
+  const auto source = synth_source("ball", make_grid({65, 57, 60}));
+  FrameSpec spec = oblique_view(300, 280, 4096);
+  spec.how = Sheets{};
+  const auto alone = render_loopback(*source, spec, 1, 1);
+  REQUIRE(has_something(alone.image));
+  for (const int threads : team_sizes)
+    CHECK(render_loopback(*source, spec, 1, 1, {}, Placement::colocated, {}, {.threads_per_rank = threads})
+              .image == alone.image);
+}
+
 TEST_CASE("frames that are dropped while threads draw them leave nothing behind", "[threads]") {
   const auto source = synth_source("ball", make_grid({33, 31, 32}));
   std::vector<FrameSpec> specs(9, oblique_view(300, 280, 32));
