@@ -1,8 +1,8 @@
 """Films that a running server makes."""
-import glob, json, os, signal, subprocess, time
+import glob, json, os, signal, subprocess
 
 import viewer_client as vc
-from server_case import expect, is_alive, told
+from server_case import expect, is_alive, told, until
 
 
 def movie_folders(options):
@@ -10,10 +10,7 @@ def movie_folders(options):
 
 
 def until_gone(what, there):
-    until = time.monotonic() + 20
-    while there():
-        expect(time.monotonic() < until, what + " is still there")
-        time.sleep(0.05)
+    until(what + " is still there", lambda: not there())
 
 
 def movie_frame(client, number, index, count=3, **more):

@@ -11,7 +11,7 @@ def expect(condition, what):
 
 def until(what, condition, seconds=20):
     """Waits for a condition."""
-    end = time.monotonic() + seconds
+    end = vc.deadline(seconds)
     while not condition():
         expect(time.monotonic() < end, what)
         time.sleep(0.05)

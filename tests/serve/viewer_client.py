@@ -1,6 +1,12 @@
 """A page's side of the viewer's protocol (docs/viewer.md), by Python's standard library alone: for tests."""
 import base64, json, os, re, signal, socket, struct, subprocess, threading, time
 
+PATIENCE = float(os.environ.get("RINGSPLAT_PATIENCE", "1"))  # sanitizers are slow
+
+
+def deadline(seconds):
+    return time.monotonic() + seconds * PATIENCE
+
 
 class Refused(Exception):
     """The server answered an upgrade with another status."""
@@ -12,7 +18,7 @@ class Refused(Exception):
 
 def http(port, request, timeout=10):
     """Sends raw bytes, returns all that comes until the server closes."""
-    with socket.create_connection(("127.0.0.1", port), timeout) as s:
+    with socket.create_connection(("127.0.0.1", port), timeout * PATIENCE) as s:
         s.sendall(request)
         answer = b""
         while True:
@@ -45,7 +51,7 @@ class Client:
             self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, receive_buffer)
         # As browsers do: small messages would wait up to 40 ms for the kernel's acknowledgement of the last one.
         self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        self.socket.settimeout(20)
+        self.socket.settimeout(20 * PATIENCE)
         self.socket.connect(("127.0.0.1", port))
         lines = [f"GET /ws HTTP/1.1", f"Host: {host}", "Upgrade: websocket", "Connection: Upgrade",
                  "Sec-WebSocket-Version: 13", "Sec-WebSocket-Key: " + base64.b64encode(os.urandom(16)).decode()]
@@ -94,7 +100,10 @@ class Client:
         return taken
 
     def receive(self, timeout=20):
-        message, until = b"", time.monotonic() + timeout
+        return self.receive_by(deadline(timeout))
+
+    def receive_by(self, until):
+        message = b""
         while True:
             try:
                 self.socket.settimeout(max(0.01, until - time.monotonic()))  # pings do not prolong it
@@ -123,9 +132,9 @@ class Client:
 
     def receive_until(self, wanted, timeout=20, acknowledge=True):
         """The first message for which wanted(message) is true; pictures before it are acknowledged."""
-        until = time.monotonic() + timeout
+        until = deadline(timeout)
         while True:
-            message = self.receive(max(0.01, until - time.monotonic()))
+            message = self.receive_by(until)
             if isinstance(message, Picture) and message.kind == 0 and acknowledge:
                 self.acknowledge(message)
             if wanted(message):
@@ -196,7 +205,7 @@ class Server:
 
     def wait(self, timeout=30):
         try:
-            return self.process.wait(timeout)
+            return self.process.wait(timeout * PATIENCE)
         finally:
             self.kill()
 

@@ -11,7 +11,7 @@ from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
-PATIENCE = float(os.environ.get("RINGSPLAT_PATIENCE", "1"))  # sanitizers are slow
+from viewer_client import PATIENCE, deadline
 
 
 class Wire:
@@ -162,7 +162,7 @@ class Page:
             ".then(done, error => done('failed: ' + error));" % (module, expression))
 
     def wait(self, expression, seconds=20.0):
-        end = time.monotonic() + seconds * PATIENCE
+        end = deadline(seconds)
         while time.monotonic() < end:
             if self.js(f"return Boolean({expression})"):
                 return
@@ -231,7 +231,7 @@ class Page:
 
 
 def wait_for_file(path, seconds=30.0):
-    end = time.monotonic() + seconds * PATIENCE
+    end = deadline(seconds)
     while time.monotonic() < end:
         if os.path.exists(path) and os.path.getsize(path) > 0:  # the browser makes an empty one first
             return path
