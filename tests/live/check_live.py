@@ -7,10 +7,12 @@ import viewer_client as vc
 from server_case import expect, until
 
 ENDLESS = 10 ** 9
+started = []
 
 
 def start(options, ranks, steps=ENDLESS, share=0.2):
-    return vc.Server([options.mpiexec, "-n", str(ranks), options.heat, "32", str(steps)], {"SHARE": str(share)})
+    started.append(vc.Server([options.mpiexec, "-n", str(ranks), options.heat, "32", str(steps)], {"SHARE": str(share)}))
+    return started[-1]
 
 
 def run(client, **wanted):
@@ -118,6 +120,9 @@ def same_on_all_ranks(options):
     for client, step in zip(clients, steps):
         while step < max(steps):
             step = one_step(client, step)
+            for waiting in clients:  # who answers no ping for a minute is sent away
+                steer(waiting, "pause")
+                run(waiting, paused=True)
     files = []
     for client, server in zip(clients, servers):
         client.send({"type": "snapshot", "id": 1, "width": 200, "height": 160, "format": "png", "state": {}})
@@ -179,9 +184,13 @@ def main():
         arguments.add_argument(name)
     options = arguments.parse_args()
     os.makedirs(options.scratch, exist_ok=True)
-    for case in cases:
-        print(case.__name__, flush=True)
-        case(options)
+    try:
+        for case in cases:
+            print(case.__name__, flush=True)
+            case(options)
+    finally:
+        for server in started:  # a simulation without an end outlives a test that fails
+            server.kill()
 
 
 main()
