@@ -88,11 +88,8 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
     return fmt::format("the --config file has a key that is no option: {}", error.what());
   if (dynamic_cast<const CLI::FileError*>(&error) != nullptr)
     return fmt::format("the --config file cannot be read: {}", error.what());
-  if (is_about_extras(program, error)) {
-    std::string extras;
-    for (const auto& extra : program.remaining(true)) extras += (extras.empty() ? "" : " ") + extra;
-    return fmt::format("'{}' is not expected here", extras);
-  }
+  if (is_about_extras(program, error))
+    return fmt::format("'{}' is not expected here", joined(program.remaining(true), " "));
   return error.what();
 }
 

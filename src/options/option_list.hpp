@@ -175,15 +175,17 @@ Choices<T> named(std::initializer_list<T> values) {
 /// Throws InputError that lists the words.
 [[noreturn]] void refuse_choice(const std::string& option, const std::string& text, const std::string& words);
 
+template <class T>
+std::string words_of(const Choices<T>& choices) {
+  return detail::joined(choices, "|", &Choices<T>::value_type::first);
+}
+
 /// What a word means. Throws InputError that lists the words.
 template <class T>
 T chosen(const Choices<T>& choices, const std::string& given, const std::string& option) {
-  std::string words;
-  for (const auto& [word, meaning] : choices) {
+  for (const auto& [word, meaning] : choices)
     if (word == given) return meaning;
-    words += (words.empty() ? "" : "|") + word;
-  }
-  refuse_choice(option, given, words);
+  refuse_choice(option, given, words_of(choices));
 }
 
 /// One of a few words.
@@ -192,11 +194,9 @@ Reader choice(T& target, const Choices<ValueOf<T>>& choices) {
   Reader reader = text([&target, choices](const std::string& given, const std::string& option) {
     target = chosen(choices, given, option);
   });
-  reader.form.clear();
-  for (const auto& [word, meaning] : choices) {
-    reader.form += (reader.form.empty() ? "" : "|") + word;
+  reader.form = words_of(choices);
+  for (const auto& [word, meaning] : choices)
     if (reader.initial.empty() && target == meaning) reader.initial = word;
-  }
   return reader;
 }
 

@@ -12,7 +12,6 @@
 
 #include "base/hex_colour.hpp"
 #include "base/printable.hpp"
-#include "base/text.hpp"
 #include "images/srgb.hpp"
 #include "options/option_list.hpp"
 #include "ringsplat/base/error.hpp"
@@ -204,12 +203,6 @@ std::optional<std::vector<double>> parse_numbers(std::string_view text) {
     values.push_back(*value);
   }
   return values;
-}
-
-std::string joined(const std::vector<std::string>& words, const std::string& between) {
-  std::string text;
-  for (const auto& word : words) text += (text.empty() ? "" : between) + word;
-  return text;
 }
 
 std::string closest(const std::string& word, const std::vector<std::string>& known) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/text.hpp"
 #include "classify/auto_preset.hpp"
 #include "ringsplat/volume/voxel_box.hpp"
 #include "volume/masked.hpp"
@@ -45,8 +46,7 @@ std::vector<std::string> colour_names();
 /// The numbers of a list separated by blanks, commas, semicolons or tabs; nothing when a part is no number.
 std::optional<std::vector<double>> parse_numbers(std::string_view text);
 
-/// Joins the words with `between`.
-std::string joined(const std::vector<std::string>& words, const std::string& between);
+using detail::joined;
 
 /// The entry of `known` closest to `word`, or an empty string when none is close (Levenshtein 1966; at most a
 /// third of the letters wrong).

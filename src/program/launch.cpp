@@ -8,7 +8,6 @@
 #include "base/text.hpp"
 #include "net/agree.hpp"
 #include "net/launcher.hpp"
-#include "options/option_values.hpp"
 #include "program/layouts.hpp"
 
 namespace ringsplat::app {
@@ -85,11 +84,9 @@ void Launch::take_leave() {
   if (simulated() || !ends) return;
   const std::vector<int> absent = collectives_->absent(seconds);
   if (absent.empty()) return;
-  std::vector<std::string> ranks;
-  for (const int rank : absent) ranks.push_back(std::to_string(rank));
   throw RunError(
       fmt::format("after the last frame rank {} did not answer for {} s; what was rendered is written",
-                  joined(ranks, ", "), seconds),
+                  detail::joined(absent), seconds),
       "a rank may have been stopped or be very slow; --stall-timeout sets the limit");
 }
 
