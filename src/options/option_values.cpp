@@ -21,18 +21,18 @@ namespace {
 
 /// `text` as 1 or `count` numbers within the bounds, separated by x, * or commas; one number stands for all.
 /// Throws InputError: it is not what is `wanted`.
-template <class T>
-std::vector<T> one_or_all(const std::string& text, const std::string& option, std::size_t count,
-                          const Bounds<T>& bounds, const char* wanted, const char* example) {
-  std::vector<T> values;
-  bool right = true;
-  for (const auto part : split(text, "xX*,")) {
-    const auto value = detail::number_in<T>(part);
-    right = right && value && bounds.hold(*value);
-    values.push_back(value.value_or(T{}));
+template <int count, class T>
+glm::vec<count, T> one_or_all(const std::string& text, const std::string& option, const Bounds<T>& bounds,
+                              const char* wanted, const char* example) {
+  const auto parts = split(text, "xX*,");
+  bool right = parts.size() == 1 || parts.size() == count;
+  glm::vec<count, T> values{};
+  for (int k = 0; right && k < count; ++k) {
+    const auto value = detail::number_in<T>(parts[parts.size() == 1 ? 0 : std::size_t(k)]);
+    right = value && bounds.hold(*value);
+    values[k] = value.value_or(T{});
   }
-  if (values.size() == 1) values.resize(count, values.front());
-  if (!right || values.size() != count)
+  if (!right)
     throw InputError(fmt::format("{} '{}' is {}", option, text, wanted),
                      fmt::format("for instance {} {}", option, example));
   return values;
@@ -79,15 +79,15 @@ bool take(std::string_view text, std::optional<int>& number) {
 }  // namespace
 
 Size parse_size(const std::string& text, const std::string& option) {
-  const auto sides = one_or_all<int>(text, option, 2, {}, "no image size", "512x512");
-  return {sides[0], sides[1]};
+  const auto sides = one_or_all<2, int>(text, option, {}, "no image size", "512x512");
+  return {sides.x, sides.y};
 }
 
 Size parse_mesh(const std::string& text, const std::string& option) {
   // The product stays far inside an int.
-  const auto shape = one_or_all<int>(text, option, 2, {1, 4096},
-                                     "not a number of columns and of rows, each 1 to 4096", "4x4");
-  return {shape[0], shape[1]};
+  const auto shape = one_or_all<2, int>(text, option, {1, 4096},
+                                        "not a number of columns and of rows, each 1 to 4096", "4x4");
+  return {shape.x, shape.y};
 }
 
 double parse_memory(const std::string& text, const std::string& option) {
@@ -103,16 +103,14 @@ double parse_memory(const std::string& text, const std::string& option) {
 }
 
 glm::ivec3 parse_dims(const std::string& text, const std::string& option) {
-  const auto dims = one_or_all<int>(text, option, 3, {.least = 1},
-                                    "not three numbers of voxels, each at least 1", "256x256x128");
-  return {dims[0], dims[1], dims[2]};
+  return one_or_all<3, int>(text, option, {.least = 1}, "not three numbers of voxels, each at least 1",
+                            "256x256x128");
 }
 
 glm::dvec3 parse_spacing(const std::string& text, const std::string& option) {
   using Limits = std::numeric_limits<double>;
-  const auto spacing = one_or_all<double>(text, option, 3, {Limits::denorm_min(), Limits::max()},
-                                          "not three positive distances", "0.5x0.5x1.2");
-  return {spacing[0], spacing[1], spacing[2]};
+  return one_or_all<3, double>(text, option, {Limits::denorm_min(), Limits::max()},
+                               "not three positive distances", "0.5x0.5x1.2");
 }
 
 DataRange parse_window(const std::string& text, const std::string& option) {
@@ -206,14 +204,10 @@ std::optional<std::vector<double>> parse_numbers(std::string_view text) {
 }
 
 std::string closest(const std::string& word, const std::vector<std::string>& known) {
-  std::string best;
-  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
-  for (const auto& candidate : known)
-    if (const auto distance = edit_distance(word, candidate); distance < least) {
-      least = distance;
-      best = candidate;
-    }
-  return best;
+  const auto distance = [&](const std::string& candidate) { return edit_distance(word, candidate); };
+  const auto best = std::ranges::min_element(known, {}, distance);
+  const bool close = best != known.end() && distance(*best) <= std::max<std::size_t>(1, word.size() / 3);
+  return close ? *best : "";
 }
 
 // Options that are like an unknown one.
@@ -274,7 +268,13 @@ namespace {
 
 using Part = ClipText::Part;
 
-constexpr std::string_view unit = "mm";
+/// Takes the unit off, where there is one.
+bool take_unit(std::string& text) {
+  constexpr std::string_view unit = "mm";
+  if (!text.ends_with(unit)) return false;
+  text.resize(text.size() - unit.size());
+  return true;
+}
 
 [[noreturn]] void refuse(const std::string& option, Axis axis, const Part& part, const std::string& why,
                          const std::string& hint) {
@@ -292,10 +292,7 @@ Part parse_part(std::string_view given, const std::string& option, Axis axis) {
   Part part;
   part.text = printable(given);
   std::string text = detail::trimmed(std::string(given));
-  if (text.ends_with(unit)) {
-    part.distances = true;
-    text.resize(text.size() - unit.size());
-  }
+  part.distances = take_unit(text);
   if (detail::trimmed(text).empty() && !part.distances) return part;
   const auto colon = text.find(':');
   if (colon == std::string_view::npos || !take_number(text.substr(0, colon), part.first) ||
@@ -352,8 +349,7 @@ std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string
     Part& part = clip.parts[std::size_t(axis)];
     part.text = printable(place);
     part.slice = true;
-    part.distances = place.ends_with(unit);
-    if (part.distances) place.resize(place.size() - unit.size());
+    part.distances = take_unit(place);
     if (take_number(place, part.first) && part.first) return {clip, axis};
   }
   throw InputError(
