@@ -4,10 +4,10 @@
 #include <glob.h>
 
 #include <algorithm>
+#include <charconv>
 #include <filesystem>
 #include <limits>
 #include <regex>
-#include <string_view>
 #include <utility>
 
 #include "base/printable.hpp"
@@ -43,26 +43,17 @@ std::optional<NumberForm> number_form(const std::string& name) {
                     std::max<std::size_t>(1, parts[2].matched ? std::stoul(parts[2]) : 1)};
 }
 
-std::string written(const NumberForm& form, int number) {
-  return fmt::format("{}{:0{}}{}", form.before, number, form.digits, form.after);
-}
-
-std::optional<int> number_in(const NumberForm& form, const std::string& name) {
-  if (!name.starts_with(form.before) || name.size() < form.before.size() + form.after.size())
-    return std::nullopt;
-  const auto digits =
-      std::string_view(name).substr(form.before.size(), name.size() - form.before.size() - form.after.size());
-  const auto number = detail::number_in<int>(digits);
-  if (!number || *number < 0 || written(form, *number) != name) return std::nullopt;
-  return number;
-}
-
 Numbered numbered_files(const fs::path& path, const NumberForm& form) {
   Numbered found;
   const fs::path folder = path.parent_path();
-  for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder))
-    if (const auto number = number_in(form, entry.path().filename().string()))
-      found.emplace_back(*number, (folder / entry.path().filename()).string());
+  for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder)) {
+    const std::string name = entry.path().filename().string();
+    int number = -1;
+    std::from_chars(name.data() + std::min(form.before.size(), name.size()), name.data() + name.size(),
+                    number);
+    if (number >= 0 && name == fmt::format("{}{:0{}}{}", form.before, number, form.digits, form.after))
+      found.emplace_back(number, (folder / name).string());
+  }
   std::sort(found.begin(), found.end());
   return found;
 }
