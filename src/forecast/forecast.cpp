@@ -286,8 +286,7 @@ std::string describe(const FrameWork& work) {
   const auto each = [](double seconds, double count) { return count > 0 ? 1e9 * seconds / count : 0.0; };
   return fmt::format(
       "{:.0f} visible voxels of {:.1f} ns on a GP, {:.0f} {} of {:.1f} ns on a Renderer, {:.2f} ms a frame "
-      "on "
-      "each GP",
+      "on each GP",
       work.visible_voxels, each(work.gp, work.visible_voxels), work.items, work.items_name,
       each(work.renderer, work.items), 1e3 * work.frame);
 }

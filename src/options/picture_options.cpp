@@ -129,8 +129,7 @@ void add_clip_options(OptionList& list, RenderOptions& o) {
        parsed(o.clip, parse_clip)},
       {"--slice", "AXIS=PLACE", nullptr,
        "Show one slice, as x=40 or z=12.5mm, from straight before it: its values in grey or in --tf's "
-       "colours; "
-       "with --values as numbers",
+       "colours; with --values as numbers",
        text([&o](const std::string& slice, const std::string& option) {
          std::tie(o.clip, o.slice) = parse_slice(slice, option);
          o.colour.mode = Mode::mip;
@@ -221,9 +220,8 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        flag(o.colour.labels)},
       {"--mode", nullptr, initial,
        "What a ray shows: light through the volume; its largest or least value, their mean, or their "
-       "integral "
-       "over length, in grey or in --tf's colours and opacities; or the first surface of --isovalue; needs "
-       "sheets; without it mip for several channels",
+       "integral over length, in grey or in --tf's colours and opacities; or the first surface of "
+       "--isovalue; needs sheets; without it mip for several channels",
        choice(o.colour.mode,
               named({Mode::composite, Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface}))},
       {"--isovalue", nullptr, nullptr,
@@ -262,8 +260,7 @@ void add_picture_options(OptionList& list, RenderOptions& o) {
       {"--values", nullptr, nullptr,
        "Numbers instead of colours, in red, green and blue of an .exr: the --mode's largest, least or mean "
        "value, or integral over length; of surface the distance behind the plane through the volume's "
-       "middle; "
-       "alpha is 1 where there are any",
+       "middle; alpha is 1 where there are any",
        flag(o.colour.values)},
       {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
        value(o.method.splats.kernel_radius), Mark::of_splats},

@@ -169,8 +169,7 @@ std::string why_labels_merge(const ValueRange& range) {
   if (!(range.high - range.low > told_apart)) return {};
   return fmt::format(
       "values run from {:.10g} to {:.10g}, of which sheets tell {:.0f} apart: neighbouring labels may have "
-      "each "
-      "other's colours; hint: --quality paper tells all apart",
+      "each other's colours; hint: --quality paper tells all apart",
       range.low, range.high, told_apart + 1);
 }
 
