@@ -59,12 +59,7 @@ class Image:
         return json.loads(self._picture.settings)
 
     def __array__(self, dtype: Any = None, copy: Optional[bool] = None) -> np.ndarray:
-        pixels = self._picture.pixels()
-        if dtype is not None and np.dtype(dtype) != pixels.dtype:
-            if copy is False:
-                raise ValueError(f"a picture's float32 numbers cannot be {np.dtype(dtype)} without a copy")
-            return pixels.astype(dtype)
-        return pixels.copy() if copy else pixels
+        return np.array(self._picture.pixels(), dtype, copy=copy)
 
     def srgb(self) -> np.ndarray:
         """For displays: uint8, (height, width, 4) with straight alpha, or (height, width, 3) over a background."""
