@@ -10,7 +10,7 @@ import sys
 import tempfile
 import threading
 import weakref
-from typing import Any, Sequence
+from typing import IO, Any, Sequence
 
 import numpy as np
 
@@ -48,16 +48,12 @@ def _write_nrrd(volume: Volume, path: str) -> None:
 
 
 def _end(process: subprocess.Popen, folder: str) -> None:
-    if process.poll() is None:
+    with process:  # waits, and closes the pipes
         process.terminate()
         try:
             process.wait(5)
         except subprocess.TimeoutExpired:
             process.kill()
-            process.wait()
-    for stream in (process.stdout, process.stderr):
-        if stream is not None:
-            stream.close()
     shutil.rmtree(folder, ignore_errors=True)
 
 
@@ -75,37 +71,35 @@ class View:
                 [os.path.dirname(os.path.dirname(os.path.abspath(_core.__file__))), os.environ.get("PYTHONPATH", "")]
             ),
         }
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "ringsplat", *command],
-            stdout=subprocess.PIPE,
-            stderr=subprocess.PIPE,
-            stdin=subprocess.DEVNULL,
-            env=environment,
-            start_new_session=True,
-            text=True,
-        )
-        self._finalizer = weakref.finalize(self, _end, self._process, folder)
-        try:
-            self.url = self._read_url()
-        except BaseException:
-            self.close()
-            raise
+        with tempfile.TemporaryFile("w+") as errors:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "ringsplat", *command],
+                stdout=subprocess.PIPE,
+                stderr=errors,
+                stdin=subprocess.DEVNULL,
+                env=environment,
+                start_new_session=True,
+                text=True,
+            )
+            self._finalizer = weakref.finalize(self, _end, self._process, folder)
+            try:
+                self.url = self._read_url(errors)
+            except BaseException:
+                self.close()
+                raise
 
-    def _read_url(self) -> str:
+    def _read_url(self, errors: IO[str]) -> str:
         """The line with the address comes when the volume is loaded."""
-        said: list[str] = []
-        out, err = self._process.stdout, self._process.stderr
-        assert out is not None and err is not None
-        errors = threading.Thread(target=lambda: said.extend(err), daemon=True)
-        errors.start()
+        out = self._process.stdout
+        assert out is not None
         for line in out:
             for word in line.split():
                 if word.startswith("http://"):
                     threading.Thread(target=out.read, daemon=True).start()
                     return word
         code = self._process.wait()
-        errors.join(1)
-        text = "".join(said).strip().removeprefix("ringsplat: error: ")
+        errors.seek(0)
+        text = errors.read().strip().removeprefix("ringsplat: error: ")
         raise (InputError if code == 2 else RunError)(text or f"the viewer ended with code {code}")
 
     def close(self) -> None:
