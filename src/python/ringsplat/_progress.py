@@ -20,19 +20,16 @@ def told(progress: bool) -> Iterator[Optional[Told]]:
         yield None
         return
     bar: Any = None
+    with contextlib.ExitStack() as bars:
 
-    def tell(what: str, done: float, total: float) -> None:
-        nonlocal bar
-        if bar is None or bar.desc != what:
-            if bar is not None:
-                bar.close()
-            bar = tqdm(total=total, desc=what, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}")
-            bar.desc = what
-        if done > bar.n:
-            bar.update(done - bar.n)
+        def tell(what: str, done: float, total: float) -> None:
+            nonlocal bar
+            if bar is None or bar.desc != what:
+                bars.close()
+                bar = tqdm(total=total, desc=what, bar_format="{desc}: {percentage:3.0f}%|{bar}| {elapsed}")
+                bar.desc = what
+                bars.callback(bar.close)
+            if done > bar.n:
+                bar.update(done - bar.n)
 
-    try:
         yield tell
-    finally:
-        if bar is not None:
-            bar.close()

@@ -88,9 +88,7 @@ def _by_itself(method: F) -> F:
 
     @functools.wraps(method)
     def call(self: "Session", *args: Any, **options: Any) -> Any:
-        if self.ranks == 1:
-            return method(self, *args, **options)
-        with self._noted():
+        with contextlib.nullcontext() if self.ranks == 1 else self._noted():
             return method(self, *args, **options)
         return len(self._blocks)
 
