@@ -191,17 +191,15 @@ class Parser {
       OptionList list;
       subcommand.add_options(list, targets_);
       for (const Option& option : list) bind(*app, option);
-      OptionList& all = subcommands_.emplace_back(BoundSubcommand{&subcommand, {}}).options;
-      all.add(described(*app->get_help_ptr()));
-      all.add(described(*app->get_help_all_ptr()));
-      for (Option& option : list) all.add(std::move(option));
+      list.insert(list.begin(), {described(*app->get_help_ptr()), described(*app->get_help_all_ptr())});
+      subcommands_.push_back({&subcommand, std::move(list)});
     }
   }
 
   /// The program's own options, with what was given.
   OptionList program_options() const {
     OptionList list;
-    for (const CLI::Option* option : program_.get_options()) list.add(described(*option));
+    for (const CLI::Option* option : program_.get_options()) list.push_back(described(*option));
     return list;
   }
 

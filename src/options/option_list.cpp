@@ -70,7 +70,7 @@ void OptionList::Below::operator+=(std::initializer_list<OptionRow> rows) {
     if (row.fallback != nullptr)
       option.fallback = *row.fallback == *initial ? row.reader.initial : row.fallback;
     for (const auto name : split(row.names, ",")) option.names.emplace_back(name);
-    list.add(std::move(option));
+    list.push_back(std::move(option));
   }
 }
 
@@ -85,7 +85,7 @@ bool OptionList::is_given(std::string_view name) const {
 }
 
 void OptionList::read() const {
-  for (const Option& option : options_)
+  for (const Option& option : *this)
     if (option.is_given()) option.reader.read(option.given, option.name());
 }
 

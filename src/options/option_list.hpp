@@ -67,9 +67,7 @@ struct Option {
 };
 
 /// A subcommand's options, in the order of --help.
-class OptionList {
- public:
-  void add(Option option) { options_.push_back(std::move(option)); }
+struct OptionList : std::vector<Option> {
   /// A heading of --help, below which rows are added: list.below("View") += {row, row}.
   struct Below {
     OptionList& list;
@@ -78,34 +76,20 @@ class OptionList {
   };
   Below below(const char* heading) { return {*this, heading}; }
   void leave_out(Mark mark) {
-    std::erase_if(options_, [mark](const Option& option) { return option.mark == mark; });
+    std::erase_if(*this, [mark](const Option& option) { return option.mark == mark; });
   }
 
-  auto begin() { return options_.begin(); }
-  auto end() { return options_.end(); }
-  auto begin() const { return options_.begin(); }
-  auto end() const { return options_.end(); }
   /// The option of this name, or null.
   const Option* find(std::string_view name) const;
   /// False when there is no such option, too.
   bool is_given(std::string_view name) const;
   /// Passes what was given to its targets, in the list's order. Throws InputError.
   void read() const;
-
- private:
-  std::vector<Option> options_;
 };
 
+/// What an optional may hold; of another type the type itself.
 template <class T>
-struct ValueType {
-  using Type = T;
-};
-template <class T>
-struct ValueType<std::optional<T>> {
-  using Type = T;
-};
-template <class T>
-using ValueOf = typename ValueType<T>::Type;
+using ValueOf = typename decltype(std::optional(std::declval<T>()))::value_type;
 
 /// What a number may be, ends included.
 template <class T>
