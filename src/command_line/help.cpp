@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <sstream>
 #include <vector>
 
 #include "base/text.hpp"
@@ -15,14 +16,14 @@ namespace {
 
 constexpr std::size_t screen_width = 100;
 
-/// Lines of at most so many characters, all but the first indented.
-std::string wrapped(const std::string& text, std::size_t indent) {
+/// Lines of at most `width` characters.
+std::string wrapped(const std::string& text, std::size_t width) {
   std::string all;
-  std::size_t used = indent;
+  std::size_t used = 0;
   for (const std::string& word : detail::words_of(text)) {
-    const bool begins = all.empty(), fits = used + 1 + word.size() <= screen_width;
-    if (!begins) all += fits ? " " : "\n" + std::string(indent, ' ');
-    used = (begins ? indent : fits ? used + 1 : indent) + word.size();
+    const bool fits = used + 1 + word.size() <= width;
+    if (!all.empty()) all += fits ? " " : "\n";
+    used = word.size() + (all.empty() || !fits ? 0 : used + 1);
     all += word;
   }
   return all;
@@ -57,13 +58,11 @@ class HelpFormatter : public CLI::Formatter {
  private:
   static constexpr std::size_t column = 34;  ///< where an option's help begins
   std::string everyday_entry(const CLI::Option& option) const {
-    const bool positional = option.get_positional();
-    std::string usage = "  " + make_option_name(&option, positional) + make_option_opts(&option);
-    if (usage.size() < column)
-      usage.resize(column, ' ');
-    else
-      usage += "\n" + std::string(column, ' ');
-    return usage + wrapped(first_part(option.get_description()), column) + "\n";
+    std::ostringstream entry;
+    CLI::detail::format_help(entry,
+                             make_option_name(&option, option.get_positional()) + make_option_opts(&option),
+                             wrapped(first_part(option.get_description()), screen_width - column), column);
+    return entry.str();
   }
 
   /// Headings that have more options than are shown say so; headings of which none is shown come last, by
@@ -91,7 +90,7 @@ class HelpFormatter : public CLI::Formatter {
     }
     const std::string rest =
         fmt::format("--help-all shows all options in full, also those of {}.", joined(others, ", "));
-    return text + "\n" + wrapped(rest, 0) + "\n";
+    return text + "\n" + wrapped(rest, screen_width) + "\n";
   }
 
   std::vector<std::string> everyday_;
