@@ -57,32 +57,27 @@ std::string human_bytes(std::uint64_t bytes) {
   return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{:.1f} {}", value, units[unit]);
 }
 
-struct Memory {
-  int gps;
-  std::uint64_t all_lit, all_plain, one_lit, one_plain;  ///< bytes of the GP that holds most
-  std::uint64_t kept;                                    ///< of sheets, by a Renderer
-};
+/// What memory_of() tells, in its order: as JSON calls it, and as people are told.
+constexpr std::pair<const char*, const char*> memory_names[] = {{"all_axes_lit", "all axes, lit"},
+                                                                {"all_axes_unlit", "all axes, unlit"},
+                                                                {"one_axis_lit", "one axis, lit"},
+                                                                {"one_axis_unlit", "one axis, unlit"},
+                                                                {"kept_by_a_renderer", "kept"}};
 
-Memory memory_of(const Grid& grid, SliceDealing dealing) {
-  const auto most = [&](bool all, bool normals) {
-    if (all) return SliceStore::bytes_needed(grid, 0, dealing, all_sets, normals);
-    std::uint64_t largest = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      std::array<bool, 3> one{};
-      one[axis] = true;
-      largest = std::max(largest, SliceStore::bytes_needed(grid, 0, dealing, one, normals));
-    }
-    return largest;
+/// Bytes of the GP that holds most, and of sheets that a Renderer keeps.
+std::array<std::uint64_t, std::size(memory_names)> memory_of(const Grid& grid, SliceDealing dealing) {
+  const auto of = [&](std::array<bool, 3> axes, bool normals) {
+    return SliceStore::bytes_needed(grid, 0, dealing, axes, normals);
   };
-  return {dealing.gps,       most(true, true),   most(true, false),
-          most(false, true), most(false, false), usual_kept_bytes(grid, dealing.gps)};
+  const auto of_one = [&](bool normals) {
+    return std::max({of({true}, normals), of({false, true}, normals), of({false, false, true}, normals)});
+  };
+  return {of(all_sets, true), of(all_sets, false), of_one(true), of_one(false),
+          usual_kept_bytes(grid, dealing.gps)};
 }
 
-std::vector<Memory> memory_table(const Grid& grid, int gps, int bundle) {
-  std::vector<Memory> table;
-  for (const int count : gps > 0 ? std::vector{gps} : std::vector{1, 2, 4, 8, 16})
-    table.push_back(memory_of(grid, {count, bundle}));
-  return table;
+std::vector<int> counts_of_gps(const InfoOptions& o) {
+  return o.gps > 0 ? std::vector{o.gps} : std::vector{1, 2, 4, 8, 16};
 }
 
 std::string triple_text(const glm::dvec3& v, const char* between) {
@@ -194,14 +189,15 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   if (!values.range.empty()) text += quantiles_text(values) + histogram_text(values);
   text += fmt::format(
       "\nslices held by a GP{} (while loading up to 64 MiB more), and kept by a Renderer for later frames "
-      "(--keep)\n  {:>8}{:>18}{:>18}{:>18}{:>18}{:>18}\n",
-      o.bundle > 1 ? fmt::format(", in bundles of {}", o.bundle) : "", "--gps", "all axes, lit",
-      "all axes, unlit", "one axis, lit", "one axis, unlit", "kept");
-  for (const auto& m : memory_table(whole, o.gps, o.bundle))
-    text += fmt::format("  {:>8}{:>18}{:>18}{:>18}{:>18}{:>18}\n", m.gps, human_bytes(m.all_lit),
-                        human_bytes(m.all_plain), human_bytes(m.one_lit), human_bytes(m.one_plain),
-                        human_bytes(m.kept));
-  return text;
+      "(--keep)\n  {:>8}",
+      o.bundle > 1 ? fmt::format(", in bundles of {}", o.bundle) : "", "--gps");
+  for (const auto& [key, what] : memory_names) text += fmt::format("{:>18}", what);
+  for (const int gps : counts_of_gps(o)) {
+    text += fmt::format("\n  {:>8}", gps);
+    for (const auto bytes : memory_of(whole, {gps, o.bundle}))
+      text += fmt::format("{:>18}", human_bytes(bytes));
+  }
+  return text + "\n";
 }
 
 nlohmann::json to_json(const VolumeNotes& notes, const ValueStatistics& values) {
@@ -245,14 +241,12 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
                     {"below", histogram.below},
                     {"above", histogram.above}};
   j["notes"] = to_json(notes, values);
-  for (const auto& m : memory_table(whole, o.gps, o.bundle))
-    j["slice_memory_of_a_gp"].push_back({{"gps", m.gps},
-                                         {"bundle", o.bundle},
-                                         {"all_axes_lit", m.all_lit},
-                                         {"all_axes_unlit", m.all_plain},
-                                         {"one_axis_lit", m.one_lit},
-                                         {"one_axis_unlit", m.one_plain},
-                                         {"kept_by_a_renderer", m.kept}});
+  for (const int gps : counts_of_gps(o)) {
+    nlohmann::json& row = j["slice_memory_of_a_gp"].emplace_back();
+    row = {{"gps", gps}, {"bundle", o.bundle}};
+    const auto memory = memory_of(whole, {gps, o.bundle});
+    for (std::size_t k = 0; k < memory.size(); ++k) row[memory_names[k].first] = memory[k];
+  }
   return j;
 }
 
@@ -330,9 +324,8 @@ nlohmann::json to_json(const Foreseen& f, int ranks) {
 }
 
 std::string list_of_series(const std::vector<std::string>& series) {
-  std::string text = "\nseries in this folder (--series takes one)\n";
-  for (const auto& one : series) text += fmt::format("  {}\n", one);
-  return series.empty() ? std::string() : text;
+  if (series.empty()) return {};
+  return fmt::format("\nseries in this folder (--series takes one)\n  {}\n", joined(series, "\n  "));
 }
 
 std::string list_of_presets() {
