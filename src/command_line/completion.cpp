@@ -134,12 +134,6 @@ void offer_values(Offers& offers, const Option& option) {
   if (files) offers.add_files();
 }
 
-void offer_options(Offers& offers, const OptionList& list) {
-  for (const Option& option : list)
-    if (!option.is_positional())
-      for (const auto& name : option.names) offers.add(name, short_help(option.help));
-}
-
 /// bash makes three words of --option=value.
 Words without_equals_signs(Words words) {
   if (words.back() == "=") words.back().clear();
@@ -147,14 +141,13 @@ Words without_equals_signs(Words words) {
   return words;
 }
 
-/// The option, of one of the lists, whose value the last word is; or null.
-const Option* option_before(const Words& words, std::span<const OptionList* const> lists) {
-  for (std::size_t back = 2; back <= words.size(); ++back)
-    for (const OptionList* list : lists) {
-      const Option* const option = list->find(words[words.size() - back]);
-      if (option != nullptr && !option->is_positional())
-        return int(back) - 2 < option->reader.words ? option : nullptr;
-    }
+/// The option whose value the last word is, or null.
+const Option* option_before(const Words& words, const OptionList& list) {
+  for (std::size_t back = 2; back <= words.size(); ++back) {
+    const Option* const option = list.find(words[words.size() - back]);
+    if (option != nullptr && !option->is_positional())
+      return int(back) - 2 < option->reader.words ? option : nullptr;
+  }
   return nullptr;
 }
 
@@ -174,30 +167,28 @@ std::string completions(const OptionList& program, std::span<const BoundSubcomma
   const auto chosen = std::find_if(subcommands.begin(), subcommands.end(), [&](const auto& one) {
     return std::find(words.begin(), words.end() - 1, one.what->name) != words.end() - 1;
   });
-  std::vector<const OptionList*> lists;
-  if (chosen != subcommands.end()) lists.push_back(&chosen->options);
-  lists.push_back(&program);
+  OptionList list;
+  if (chosen != subcommands.end()) list = chosen->options;
+  list.insert(list.end(), program.begin(), program.end());
 
   const std::string current = words.back();
   const auto equals = current.starts_with("--") ? current.find('=') : std::string::npos;
   if (equals != std::string::npos) {
     Offers offers(current.substr(0, equals + 1), current.substr(equals + 1));
-    for (const OptionList* list : lists)
-      if (const Option* option = list->find(current.substr(0, equals))) {
-        offer_values(offers, *option);
-        break;
-      }
+    if (const Option* option = list.find(current.substr(0, equals))) offer_values(offers, *option);
     return offers.lines();
   }
   Offers offers("", current);
-  if (const Option* option = option_before(words, lists)) {
+  if (const Option* option = option_before(words, list)) {
     offer_values(offers, *option);
   } else if (current.starts_with("-")) {
-    for (const OptionList* list : lists) offer_options(offers, *list);
+    for (const Option& one : list)
+      if (!one.is_positional())
+        for (const auto& name : one.names) offers.add(name, short_help(one.help));
   } else if (chosen == subcommands.end()) {
     for (const auto& one : subcommands) offers.add(one.what->name, one.what->description);
   } else {
-    for (const Option& argument : chosen->options)
+    for (const Option& argument : list)
       if (argument.is_positional()) return offer_values(offers, argument), offers.lines();
   }
   return offers.lines();
