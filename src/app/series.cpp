@@ -1,6 +1,6 @@
 #include "app/render_job.hpp"
 
-#include <fmt/format.h>
+#include <fmt/printf.h>
 #include <glob.h>
 
 #include <algorithm>
@@ -29,29 +29,21 @@ using Numbered = std::vector<std::pair<int, std::string>>;
 
 constexpr std::size_t most_volumes = 1'000'000;
 
-/// A %d or %04d in a file's name.
-struct NumberForm {
-  std::string before, after;
-  std::size_t digits = 1;  ///< at least; shorter numbers have zeros in front
-};
-
-std::optional<NumberForm> number_form(const std::string& name) {
-  static const std::regex form("([^%]*)%(0[0-9]{0,2})?d([^%]*)");
-  std::smatch parts;
-  if (!std::regex_match(name, parts, form)) return std::nullopt;
-  return NumberForm{parts[1], parts[3],
-                    std::max<std::size_t>(1, parts[2].matched ? std::stoul(parts[2]) : 1)};
+/// True for a file's name with one %d or %04d in it.
+bool has_number(const std::string& name) {
+  static const std::regex form("[^%]*%(0[0-9]{0,2})?d[^%]*");
+  return std::regex_match(name, form);
 }
 
-Numbered numbered_files(const fs::path& path, const NumberForm& form) {
+Numbered numbered_files(const fs::path& path) {
   Numbered found;
   const fs::path folder = path.parent_path();
+  const std::string form = path.filename().string();
   for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder)) {
     const std::string name = entry.path().filename().string();
     int number = -1;
-    std::from_chars(name.data() + std::min(form.before.size(), name.size()), name.data() + name.size(),
-                    number);
-    if (number >= 0 && name == fmt::format("{}{:0{}}{}", form.before, number, form.digits, form.after))
+    std::from_chars(name.data() + std::min(form.find('%'), name.size()), name.data() + name.size(), number);
+    if (number >= 0 && name == fmt::sprintf(form, number))
       found.emplace_back(number, (folder / name).string());
   }
   std::sort(found.begin(), found.end());
@@ -81,7 +73,7 @@ bool is_pattern(const std::string& whole) {
   const std::string path = whole.substr(0, place_in(whole));
   std::error_code error;
   return !fs::exists(whole, error) && !fs::exists(path, error) &&
-         (has_wildcard(path) || number_form(fs::path(path).filename().string()));
+         (has_wildcard(path) || has_number(fs::path(path).filename().string()));
 }
 
 std::string base_name(const std::string& path) {
@@ -138,10 +130,10 @@ std::vector<SeriesEntry> look_for(const VolumeOptions& volume, const std::option
 
 Numbered files_of_pattern(const std::string& pattern) {
   const std::string path = pattern.substr(0, place_in(pattern)), within = pattern.substr(path.size());
-  const auto form = number_form(fs::path(path).filename().string());
-  if (!form && !has_wildcard(path))
+  const bool numbered = has_number(fs::path(path).filename().string());
+  if (!numbered && !has_wildcard(path))
     throw InputError(fmt::format("{} is no pattern", printable(pattern)), "such as 'step_*.nrrd'");
-  Numbered files = form ? numbered_files(path, *form) : globbed_files(path);
+  Numbered files = numbered ? numbered_files(path) : globbed_files(path);
   if (files.empty())
     throw InputError(
         fmt::format("no file is named like {}", printable(path)),
