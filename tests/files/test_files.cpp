@@ -9,6 +9,7 @@
 
 #include "ringsplat/formats/open.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 
 using namespace ringsplat;

@@ -4,6 +4,7 @@
 #include "formats/channels.hpp"
 #include "formats/files.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/message_of.hpp"
 
 using namespace files;

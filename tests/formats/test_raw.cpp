@@ -88,15 +88,3 @@ TEST_CASE("voxels beyond 4 GiB are read from their place", "[raw]") {
   CHECK(slice.back() == '\7');
   CHECK(slice.front() == '\0');
 }
-
-TEST_CASE("a volume in memory is read as it lies", "[raw]") {
-  const auto data = samples<short>();
-  Grid grid;
-  grid.dims = {nx, ny, nz};
-  grid.type = ScalarType::int16;
-  const auto source = memory_source(grid, std::as_bytes(std::span(data)));
-  CHECK(source->concurrent());
-  CHECK((read_all(*source) == data));
-  CHECK((read_slice(*source, 2) == data.substr(80, 40)));
-  CHECK_THROWS_AS(memory_source(grid, std::as_bytes(std::span(data)).first(119)), InputError);
-}

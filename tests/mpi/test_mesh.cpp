@@ -6,6 +6,7 @@
 #include "mpi/connections.hpp"
 #include "net/mesh.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 
 using namespace ringsplat;

@@ -15,6 +15,7 @@
 #include "ringsplat/mpi/communicator.hpp"
 #include "ringsplat/ringsplat.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/message_of.hpp"
 #include "support/random_blocks.hpp"
 #include "support/views.hpp"

@@ -5,6 +5,7 @@
 #include "ringsplat/base/error.hpp"
 #include "scene/scene.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"
 #include "volume/cell_ranges.hpp"

@@ -6,6 +6,7 @@
 #include "ringsplat/base/error.hpp"
 #include "scene/scene.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"
 

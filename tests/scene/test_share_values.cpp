@@ -5,6 +5,7 @@
 
 #include "scene/scene.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"
 

@@ -4,6 +4,7 @@
 #include <glm/geometric.hpp>
 
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 
 using namespace ringsplat;

@@ -4,6 +4,7 @@
 
 #include "frame/frame_geometry.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 
 using namespace ringsplat;

@@ -6,6 +6,7 @@
 
 #include "ringsplat/session/session.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/views.hpp"
 
 using namespace ringsplat;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 #include "volume/cell_ranges.hpp"
 

@@ -10,6 +10,7 @@
 #include "session/directed_frames.hpp"
 #include "session/render_frames.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 
 using namespace ringsplat;

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "scene/scene.hpp"
+#include "support/memory_source.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::test {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "session/render_frames.hpp"
+#include "support/memory_source.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::test {

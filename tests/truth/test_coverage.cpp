@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "truth/sampling.hpp"
 #include "truth_support.hpp"
 

@@ -12,6 +12,7 @@
 #include "classify/normals.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "study/error_budget.hpp"
+#include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 #include "truth/closed_forms.hpp"
 #include "truth/field.hpp"

@@ -5,6 +5,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/message_of.hpp"
 #include "volume/slice_store.hpp"
 

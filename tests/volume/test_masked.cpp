@@ -7,6 +7,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 #include "support/message_of.hpp"
 #include "volume/forwarding_source.hpp"
 

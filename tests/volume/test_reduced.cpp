@@ -7,6 +7,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
+#include "support/memory_source.hpp"
 
 using namespace ringsplat;
 

@@ -70,7 +70,4 @@ class VolumeSource {
   virtual Facts facts() const { return {}; }
 };
 
-/// A volume that lies in memory; `voxels` (grid.bytes() bytes, native order) must outlive the source.
-std::unique_ptr<VolumeSource> memory_source(const Grid& grid, std::span<const std::byte> voxels);
-
 }  // namespace ringsplat

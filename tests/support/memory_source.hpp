@@ -1,22 +1,18 @@
-#include <fmt/format.h>
-
+#pragma once
 #include <cstring>
+#include <memory>
+#include <span>
+#include <stdexcept>
 
-#include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/source.hpp"
 
 namespace ringsplat {
-namespace {
 
 class MemorySource final : public VolumeSource {
  public:
   MemorySource(const Grid& grid, std::span<const std::byte> voxels) : grid_(grid), voxels_(voxels) {
     check(grid, "volume in memory");
-    if (voxels.size() != grid.bytes())
-      throw InputError(
-          fmt::format("volume in memory: {} bytes given, {} x {} x {} {} needs {}", voxels.size(),
-                      grid.dims.x, grid.dims.y, grid.dims.z, to_string(grid.type), grid.bytes()),
-          "give exactly the voxels of the grid");
+    if (voxels.size() != grid.bytes()) throw std::invalid_argument("these are voxels of another grid");
   }
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return true; }
@@ -30,9 +26,8 @@ class MemorySource final : public VolumeSource {
   std::span<const std::byte> voxels_;
 };
 
-}  // namespace
-
-std::unique_ptr<VolumeSource> memory_source(const Grid& grid, std::span<const std::byte> voxels) {
+/// A volume that lies in memory; `voxels` (grid.bytes() bytes, native order) must outlive the source.
+inline std::unique_ptr<VolumeSource> memory_source(const Grid& grid, std::span<const std::byte> voxels) {
   return std::make_unique<MemorySource>(grid, voxels);
 }
 
