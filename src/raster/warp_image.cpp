@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "raster/pixel_vectors-inl.hpp"
@@ -29,16 +28,6 @@ struct WarpedRow {
   std::ptrdiff_t row_floats;  ///< of the plane
   double start_x, start_y, step_x, step_y;
   int first, end;  ///< pixels to fill are first … end − 1; all their taps lie in the plane
-};
-
-/// The plane's rows, interpolated at the places of some of the picture's columns. A column's pixels lie
-/// together, as the second pass needs them.
-struct ColumnStrip {
-  int first, end;         ///< columns of the picture
-  int first_row, rows;    ///< of the plane
-  float* pixels;          ///< RGBA
-  std::ptrdiff_t stride;  ///< floats from a column to the next
-  float* at(int column) const { return pixels + (column - first) * stride; }
 };
 
 }  // namespace
@@ -125,51 +114,6 @@ void WarpRow(const WarpedRow& row, float* screen) {
   }
 }
 
-/// Returns (w0 p0 + w2 p2) + (w1 p1 + w3 p3) of four pixels p that follow each other.
-HWY_INLINE hn::Vec<FourFloats> weigh(const float* pixels, const float (*weights)[most_places], int k) {
-  const FourFloats d;
-  const auto weight = [&](int tap) { return hn::Set(d, weights[tap][k]); };
-  return hn::Add(fused(weight(2), hn::LoadU(d, pixels + 8), hn::Mul(weight(0), hn::LoadU(d, pixels))),
-                 fused(weight(3), hn::LoadU(d, pixels + 12), hn::Mul(weight(1), hn::LoadU(d, pixels + 4))));
-}
-
-/// First pass: interpolates the plane's rows at the columns' places.
-void AlongRows(const WarpedRow& any_row, const ColumnStrip& columns) {
-  const int count = columns.end - columns.first;
-  std::int32_t taps[most_places];
-  float weights[4][most_places];
-  find_taps(any_row.start_x, any_row.step_x, columns.first, count, taps, weights);
-  const float* row = any_row.plane + columns.first_row * any_row.row_floats;
-  // Two rows at a time fill more of a cache line. A column has room for an even number of pixels.
-  for (int y = 0; y < columns.rows; y += 2, row += 2 * any_row.row_floats) {
-    const std::ptrdiff_t other = y + 1 < columns.rows ? any_row.row_floats : 0;
-    for (int k = 0; k < count; ++k) {
-      const float* pixels = row + std::ptrdiff_t{4} * taps[k];
-      float* out = columns.pixels + k * columns.stride + std::ptrdiff_t{4} * y;
-      store_pixel(weigh(pixels, weights, k), out);
-      store_pixel(weigh(pixels + other, weights, k), out + 4);
-    }
-  }
-}
-
-/// Second pass: fills the columns' pixels in one of the picture's rows.
-void DownColumns(const WarpedRow& row, const ColumnStrip& columns, float* screen) {
-  const int first = std::max(row.first, columns.first), count = std::min(row.end, columns.end) - first;
-  if (count <= 0) return;
-  std::int32_t taps[most_places];
-  float weights[4][most_places];
-  find_taps(row.start_y, row.step_y, first, count, taps, weights);
-  const float* column = columns.at(first) - std::ptrdiff_t{4} * columns.first_row;
-  for (int k = 0; k < count; ++k)
-    store_pixel(clamp_pixel(weigh(column + k * columns.stride + std::ptrdiff_t{4} * taps[k], weights, k)),
-                screen + std::ptrdiff_t{4} * (first + k));
-}
-
-void WarpColumns(std::span<const WarpedRow> rows, const ColumnStrip& columns, Image& screen) {
-  AlongRows(rows.front(), columns);
-  for (std::size_t y = 0; y < rows.size(); ++y) DownColumns(rows[y], columns, screen.pixel(0, int(y)));
-}
-
 }  // namespace ringsplat::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -177,7 +121,6 @@ HWY_AFTER_NAMESPACE();
 namespace ringsplat {
 
 HWY_EXPORT(WarpRow);
-HWY_EXPORT(WarpColumns);
 
 namespace {
 
@@ -243,31 +186,6 @@ WarpedRow seen_of_row(const Image& plane, const PixelWindow& firsts, const Plane
   return row;
 }
 
-/// Fills a picture whose columns lie in columns of the plane: all of its rows have the same start_x and
-/// step_x. This holds for x and y slices of an upright volume unless the picture is rolled, because the
-/// camera's right is across the volume's axis. Two passes of four taps then do instead of sixteen taps
-/// (Catmull and Smith 1980): along the plane's rows, which all need the same weights in a column of the
-/// picture, then down the columns.
-///
-/// `rows`: all rows of the picture; their first taps lie in the plane's rows first_tap … last_tap.
-void warp_columns(std::span<const WarpedRow> rows, int first_tap, int last_tap, Image& screen) {
-  int first = screen.width, end = 0;
-  for (const WarpedRow& row : rows) {
-    if (row.first >= row.end) continue;
-    first = std::min(first, row.first);
-    end = std::max(end, row.end);
-  }
-  if (first >= end) return;
-  // As many columns as a processor's second-level cache holds. The stride avoids multiples of a page, which
-  // would use few of the cache's lines.
-  constexpr int most = 32;
-  const int plane_rows = last_tap - first_tap + 4;
-  const std::ptrdiff_t stride = (std::ptrdiff_t{4} * plane_rows + 31) / 32 * 32 + 16;
-  std::vector<float> pixels(std::size_t(most) * std::size_t(stride));
-  for (int x = first; x < end; x += most) HWY_DYNAMIC_DISPATCH(WarpColumns)
-  (rows, {x, std::min(x + most, end), first_tap, plane_rows, pixels.data(), stride}, screen);
-}
-
 }  // namespace
 
 Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp& warp, int width,
@@ -286,10 +204,7 @@ Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp&
     std::fill(screen.pixel(0, y), screen.pixel(row.first, y), 0.0F);
     std::fill(screen.pixel(row.end, y), screen.pixel(0, y + 1), 0.0F);
   }
-  if (warp.linear[1].x == 0)
-    warp_columns(rows, int(firsts.y0), int(firsts.y1), screen);
-  else
-    for (int y = 0; y < height; ++y) HWY_DYNAMIC_DISPATCH(WarpRow)(rows[std::size_t(y)], screen.pixel(0, y));
+  for (int y = 0; y < height; ++y) HWY_DYNAMIC_DISPATCH(WarpRow)(rows[std::size_t(y)], screen.pixel(0, y));
   return screen;
 }
 

@@ -10,10 +10,6 @@ namespace ringsplat {
 /// (Keys 1981, a = −½) in premultiplied colours and opacity. The cubic has negative lobes, so the result is
 /// clamped: opacity to [0, 1] and colours to [0, opacity].
 ///
-/// Where the picture's columns lie in columns of the plane, the plane is interpolated along its rows first
-/// and then down the columns, from four pixels each time (Catmull and Smith 1980); otherwise from sixteen at
-/// once. The two differ by roundings only.
-///
 /// `window` holds all pixels of `plane` that are not transparent. Pixels of the picture that see none of them
 /// are transparent. A pixel's operations are the same whatever the vector width, so its bits do not depend on
 /// the processor.

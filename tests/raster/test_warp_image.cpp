@@ -93,23 +93,6 @@ TEST_CASE("the warp's cubic is exact for quadratics") {
   CHECK(seen > 1000);
 }
 
-TEST_CASE("columns that lie in columns are warped in two passes to the same picture") {
-  for (const int width : {4, 31, 32, 64, 97}) {
-    const Image plane = random_image(45, 38, unsigned(width));
-    for (const glm::dmat2& linear :
-         {upright.linear, glm::dmat2(-0.4, -0.3, 0, -0.45), glm::dmat2(0.2, 0, 0, 0.9)}) {
-      PlaneWarp warp{linear, {}};
-      warp.offset = glm::dvec2(22, 19) - linear * (0.5 * glm::dvec2(width, 80));
-      const Image screen = warp_image(plane, all_of(plane), warp, width, 80);
-      warp.linear[1].x = 1e-30;
-      const Image by_sixteen = warp_image(plane, all_of(plane), warp, width, 80);
-      REQUIRE(*std::max_element(screen.rgba.begin(), screen.rgba.end()) > 0.5F);
-      for (std::size_t k = 0; k < screen.rgba.size(); ++k)
-        REQUIRE(std::abs(screen.rgba[k] - by_sixteen.rgba[k]) < 1e-6F);
-    }
-  }
-}
-
 TEST_CASE("the warp's error falls with the third power of the pixel") {
   const auto error = [](int n) {
     const Image plane = image_of(
