@@ -1,6 +1,6 @@
 // The list of channels that are drawn together: which are seen, in what colours, over which values.
 
-import { byId, dualSlider, element, fromHex, toHex } from './dom.js';
+import { byId, dualSlider, element, onColour, toHex } from './dom.js';
 
 export class ChannelsPanel {
   constructor(app) {
@@ -21,10 +21,8 @@ export class ChannelsPanel {
   makeRow(name, k) {
     const seen = element('input', { type: 'checkbox',
                                     onchange: ({ target }) => this.change(k, { visible: target.checked }) });
-    const colour = element('input', { type: 'color', 'aria-label': `Colour of ${name}`, oninput: ({ target }) => {
-      this.app.sender.pulse();
-      this.change(k, { colour: fromHex(target.value) });
-    } });
+    const colour = element('input', { type: 'color', 'aria-label': `Colour of ${name}` });
+    onColour(this.app, colour, (chosen) => this.change(k, { colour: chosen }));
     const slider = dualSlider(this.app, [`${name} from`, `${name} to`], 'value', 'any', (end, value) => this.put(k, end, value));
     const row = element('li', {}, element('label', { class: 'tick', title: name }, seen, element('span', {}, name)),
                         colour, element('div', { class: 'window' }, ...slider.parts));

@@ -1,6 +1,7 @@
 // The two canvases of the transfer function's editor: opacity points over the histogram, and colour stops below.
 
-import { byId, clamp, cssColour, fitCanvas, onDrag, onKeys, themeColour } from './dom.js';
+import { byId, clamp, toHex, fitCanvas, onDrag, onKeys, themeColour } from './dom.js';
+import { trace } from './overlay.js';
 import { settings } from './settings.js';
 import { addColours, canLose, colourAt, opacityAt, withPoint, withPointAt } from './transfer_function.js';
 
@@ -150,10 +151,7 @@ export class CurveEditor {
     this.drawHistogram(context, width, height);
     const accent = themeColour('--accent');
     const places = this.tf.opacities.map((p) => [this.x(p[0], width), this.y(p[1], height)]);
-    context.beginPath();
-    context.moveTo(0, places[0][1]);
-    for (const place of places) context.lineTo(...place);
-    context.lineTo(width, places.at(-1)[1]);
+    trace(context, [[0, places[0][1]], ...places, [width, places.at(-1)[1]]]);
     context.lineWidth = 1.75;
     context.strokeStyle = accent;
     context.stroke();
@@ -173,12 +171,9 @@ export class CurveEditor {
     context.fillRect(0, 0, width, band);
     this.tf.colours.forEach((stop, i) => {
       const x = this.x(stop[0], width), chosen = this.selected.which === 'colours' && this.selected.index === i;
-      context.beginPath();
-      context.moveTo(x, band - 4);
-      context.lineTo(x + 6, height - 1.5);
-      context.lineTo(x - 6, height - 1.5);
+      trace(context, [[x, band - 4], [x + 6, height - 1.5], [x - 6, height - 1.5]]);
       context.closePath();
-      context.fillStyle = cssColour(stop.slice(1));
+      context.fillStyle = toHex(stop.slice(1));
       context.fill();
       context.lineWidth = chosen ? 2.5 : 1;
       context.strokeStyle = chosen ? themeColour('--accent') : themeColour('--text');

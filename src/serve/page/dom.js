@@ -114,10 +114,16 @@ export function fitCanvas(canvas) {
 /** The value of one of the style sheet's colours. */
 export const themeColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
-export const cssColour = (rgb) => `rgb(${rgb.map((c) => Math.round(255 * clamp(c, 0, 1))).join(' ')})`;
+/** Colours as style sheets and colour fields have them. */
 export const toHex = (rgb) =>
   '#' + rgb.map((c) => Math.round(clamp(c, 0, 1) * 255).toString(16).padStart(2, '0')).join('');
 export const fromHex = (text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255);
+
+/** Calls `take` with each colour that is tried in a colour field. */
+export const onColour = (app, field, take) => field.addEventListener('input', () => {
+  app.sender.pulse();
+  take(fromHex(field.value));
+});
 
 /** Offers bytes to the person as a file. */
 export function download(name, blob) {

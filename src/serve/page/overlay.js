@@ -21,6 +21,12 @@ export function write(context, colours, text, x, y) {
   context.fillText(text, x, y);
 }
 
+/** Makes lines the path, each through its points. */
+export function trace(context, ...lines) {
+  context.beginPath();
+  for (const line of lines) line.forEach((point, k) => (k ? context.lineTo(...point) : context.moveTo(...point)));
+}
+
 export function strokeTwice(context, colours) {
   context.lineWidth = 4;
   context.strokeStyle = colours.halo;
@@ -32,11 +38,7 @@ export function strokeTwice(context, colours) {
 
 function drawScaleBar(context, colours, { bar, unit, perspective, height }) {
   const y = height - foot - 8, right = margin + bar.pixels;
-  context.beginPath();
-  context.moveTo(margin, y - 5);
-  context.lineTo(margin, y);
-  context.lineTo(right, y);
-  context.lineTo(right, y - 5);
+  trace(context, [[margin, y - 5], [margin, y], [right, y], [right, y - 5]]);
   strokeTwice(context, colours);
   context.textAlign = 'left';
   context.textBaseline = 'bottom';
@@ -63,17 +65,12 @@ function drawColourBar(context, colours, tf, [low, high], height) {
   }
 }
 
-const edges = [0, 1, 2].flatMap((axis) => [[0, 0], [0, 1], [1, 0], [1, 1]].map((ends) => ({ axis, ends })));
+/** Of a box: each from one corner to another, by the ends of its sides. */
+const edges = [0, 1, 2].flatMap((axis) => [[0, 0], [0, 1], [1, 0], [1, 1]].map((ends) =>
+  [0, 1].map((end) => ends.toSpliced(axis, 0, end))));
 
 function drawBox(context, colours, clip, project) {
-  context.beginPath();
-  for (const { axis, ends } of edges) {
-    const corner = [0, 0, 0];
-    corner[(axis + 1) % 3] = clip[(axis + 1) % 3][ends[0]] - 0.5;
-    corner[(axis + 2) % 3] = clip[(axis + 2) % 3][ends[1]] - 0.5;
-    context.moveTo(...project(corner.with(axis, clip[axis][0] - 0.5)));
-    context.lineTo(...project(corner.with(axis, clip[axis][1] - 0.5)));
-  }
+  trace(context, ...edges.map((edge) => edge.map((ends) => project(ends.map((end, k) => clip[k][end] - 0.5)))));
   context.globalAlpha = 0.55;
   context.lineWidth = 1;
   context.strokeStyle = colours.text;
@@ -82,17 +79,13 @@ function drawBox(context, colours, clip, project) {
 }
 
 function drawCross(context, colours, [x, y]) {
-  context.beginPath();
-  for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
-    context.moveTo(x + 3 * dx, y + 3 * dy);
-    context.lineTo(x + 10 * dx, y + 10 * dy);
-  }
+  trace(context, ...[[1, 0], [-1, 0], [0, 1], [0, -1]].map((way) =>
+    [3, 10].map((far) => [x + far * way[0], y + far * way[1]])));
   strokeTwice(context, colours);
 }
 
 function drawRuler(context, colours, places) {
-  context.beginPath();
-  for (const [x, y] of places) context.lineTo(x, y);
+  trace(context, places);
   strokeTwice(context, colours);
   for (const [x, y] of places) context.fillRect(x - 3, y - 3, 6, 6);
 }
@@ -100,11 +93,11 @@ function drawRuler(context, colours, places) {
 /** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `places`: the ruler's. Returns the scale bar that was drawn. */
 export function drawOverlay({ state, volume, seen, cross, slices, places }) {
   const { context, width, height } = fitCanvas(byId('overlay'));
-  const colours = ink(state.background);
+  const colours = ink(state.background), project = (place) => seen.project(place).slice(0, 2);
   context.font = '12px system-ui, sans-serif';
   let bar = null;
-  if (state.clip && settings.box) drawBox(context, colours, state.clip, (p) => seen.project(p).slice(0, 2));
-  for (const box of slices) drawBox(context, colours, box, (p) => seen.project(p).slice(0, 2));
+  if (state.clip && settings.box) drawBox(context, colours, state.clip, project);
+  for (const box of slices) drawBox(context, colours, box, project);
   if (settings.scale) {
     // Round numbers have round inverses: this is the longest round length that fits.
     const length = 1 / niceStep(seen.pixelsPerUnit, clamp(width * 0.25, 60, 200));
@@ -113,7 +106,7 @@ export function drawOverlay({ state, volume, seen, cross, slices, places }) {
   }
   if (settings.colours && !volume.labels.length && !state.channels.length)
     drawColourBar(context, colours, state.transfer_function, [volume.histogram.low, volume.histogram.high], height);
-  if (places.length > 1) drawRuler(context, colours, places.map((place) => seen.project(place)));
+  if (places.length > 1) drawRuler(context, colours, places.map(project));
   if (cross) drawCross(context, colours, cross);
   return bar;
 }

@@ -1,8 +1,8 @@
 // Three slices beside the volume, one across each axis of its lattice, and the voxel where they meet: each slice shows
 // where the others lie, and has the window and colours of the transfer function.
 
-import { byId, clamp, cssColour, element, fitCanvas, onDrag, onKeys, onceAFrame, show } from './dom.js';
-import { ink, strokeTwice, write } from './overlay.js';
+import { byId, clamp, toHex, element, fitCanvas, onDrag, onKeys, onceAFrame, show } from './dom.js';
+import { ink, strokeTwice, trace, write } from './overlay.js';
 import { settings } from './settings.js';
 import { showError } from './status.js';
 
@@ -87,18 +87,14 @@ class Pane {
   drawNow() {
     const { context, width, height } = fitCanvas(this.canvas), { at, app, words } = this.slices;
     const { background } = app.scene.state, place = this.place(), colours = ink(background);
-    context.fillStyle = cssColour(background);
+    context.fillStyle = toHex(background);
     context.fillRect(0, 0, width, height);
     context.imageSmoothingEnabled = false;
     if (this.bitmap) context.drawImage(this.bitmap, place.left, place.top, place.width, place.height);
     const x = place.left + place.width * this.part(this.lies.right, false);
     const y = place.top + place.height * this.part(this.lies.up, true), gap = 6;
-    context.beginPath();
-    for (const [from, to] of [[[place.left, y], [x - gap, y]], [[x + gap, y], [place.left + place.width, y]],
-                              [[x, place.top], [x, y - gap]], [[x, y + gap], [x, place.top + place.height]]]) {
-      context.moveTo(...from);
-      context.lineTo(...to);
-    }
+    trace(context, [[place.left, y], [x - gap, y]], [[x + gap, y], [place.left + place.width, y]],
+          [[x, place.top], [x, y - gap]], [[x, y + gap], [x, place.top + place.height]]);
     context.globalAlpha = 0.6;
     strokeTwice(context, colours);
     context.globalAlpha = 1;

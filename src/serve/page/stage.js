@@ -1,7 +1,7 @@
 // The picture's canvas: shows what the server sent, moved, zoomed and rolled to the present camera until the
 // picture of that camera comes.
 
-import { byId, cssColour, onceAFrame } from './dom.js';
+import { byId, toHex, onceAFrame } from './dom.js';
 
 const mostRemembered = 512;
 
@@ -112,7 +112,7 @@ export class Stage {
     const { context, canvas, shown } = this, { driving, scene: { state } } = this.app;
     if (!state) return;
     context.setTransform(1, 0, 0, 1, 0, 0);
-    context.fillStyle = cssColour(state.background);
+    context.fillStyle = toHex(state.background);
     context.fillRect(0, 0, canvas.width, canvas.height);
     if (!shown) return;
     if (driving && shown.camera) this.preview(shown, state.camera);

@@ -1,7 +1,7 @@
 // Transfer functions as the state holds them: colours [[value, r, g, b] ...] in sRGB and opacities
 // [[value, opacity] ...], ascending, linear between points and constant beyond. All functions give new ones.
 
-import { clamp, cssColour } from './dom.js';
+import { clamp, fromHex, toHex } from './dom.js';
 
 const toLinear = (c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
 const toSrgb = (c) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
@@ -31,7 +31,7 @@ export function colourAt(tf, value) {
 export function addColours(gradient, tf, [low, high]) {
   const steps = 64;
   for (let i = 0; i <= steps; ++i)
-    gradient.addColorStop(i / steps, cssColour(colourAt(tf, low + ((high - low) * i) / steps)));
+    gradient.addColorStop(i / steps, toHex(colourAt(tf, low + ((high - low) * i) / steps)));
   return gradient;
 }
 
@@ -109,8 +109,7 @@ export function toParaView(tf) {
   return JSON.stringify([map], null, 2) + '\n';
 }
 
-const fromDigits = (digits) => digits.split(' ').map((hex) =>
-  [0, 2, 4].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255));
+const fromDigits = (digits) => digits.split(' ').map((hex) => fromHex('#' + hex));
 
 /** Perceptually even maps (viridis, inferno, plasma: matplotlib; cividis: Nuñez et al. 2018) and plain ones. */
 export const maps = [

@@ -1,7 +1,7 @@
 // The transfer function's panel: fields of the selected point, presets, maps, window and level, undo, files.
 
 import { CurveEditor } from './curve_editor.js';
-import { byId, download, element, fromHex, onNumber, show, toHex } from './dom.js';
+import { byId, download, element, onColour, onNumber, show, toHex } from './dom.js';
 import { onSettings } from './settings.js';
 import { canLose, maps, stretched, toParaView, windowOf, withMap, withPointAt } from './transfer_function.js';
 
@@ -18,10 +18,7 @@ export class TransferPanel {
     const refresh = () => this.refresh();
     onNumber(byId('point-value'), (value) => put((p) => p.with(0, value)), refresh);
     onNumber(byId('point-opacity'), (opacity) => put((p) => p.with(1, opacity)), refresh);
-    byId('point-colour').addEventListener('input', ({ target }) => {
-      app.sender.pulse();
-      put(([value]) => [value, ...fromHex(target.value)], false);
-    });
+    onColour(app, byId('point-colour'), (colour) => put(([value]) => [value, ...colour], false));
     byId('point-colour').addEventListener('change', () => app.commit());
     byId('point-delete').addEventListener('click', () => this.editor.remove());
     onNumber(byId('level'),
