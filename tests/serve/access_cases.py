@@ -16,7 +16,7 @@ def page(options, server):
     policy = next(l for l in head.split("\r\n") if l.startswith("content-security-policy"))
     expect("unsafe" not in policy and "script-src 'self'" in policy, policy)
     expect(server.token not in answer.decode(), "the page has the token")
-    for target in ("/no", "/../etc/passwd", "/page/index.html", "//index.html", "/%2e%2e/x", "/main.js", "/style.css"):
+    for target in ("/no", "/../etc/passwd", "/page/index.html", "//index.html", "/%2e%2e/x", "/app.js", "/style.css"):
         expect(vc.get(server.port, target).startswith(b"HTTP/1.1 404"), target)
 
 

@@ -4,7 +4,6 @@ import { fillingZoom, viewOf } from './camera.js';
 import { ClipPanel, wholeBox } from './clip_panel.js';
 import { Connection, kinds } from './connection.js';
 import { ChannelsPanel } from './channels_panel.js';
-import { Cube } from './cube.js';
 import { byId, onceAFrame, openFile } from './dom.js';
 import { FilmPanel } from './film_panel.js';
 import { FramePanel } from './frame_panel.js';
@@ -29,7 +28,7 @@ const lossesTold = 3;
 const waitTold = 1000;      // milliseconds without a picture
 const fragmentWait = 300;  // milliseconds; browsers limit how often the address may change
 
-export class App {
+class App {
   constructor() {
     this.scene = new Scene((keys) => this.sceneChanged(keys));
     this.history = new History();
@@ -56,7 +55,6 @@ export class App {
     this.snapshots = new SnapshotPanel(this);
     this.probing = new Probe(this);
     this.slices = new Slices(this);
-    this.cube = new Cube((view) => this.lookFrom(view));
     this.gestures = new Gestures(this, byId('picture'));
     attachKeyboard(this);
     attachSettings();
@@ -116,7 +114,6 @@ export class App {
     this.stage.forget();
     this.stage.setLargest(hello.largest);
     this.viewPanel.begin(volume.patient);
-    this.cube.begin(volume.patient);
     const kept = resumes ? this.scene.state : hello.driver ? this.brought : {};
     this.brought = undefined;
     this.fill();
@@ -350,7 +347,7 @@ export class App {
     this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross, places,
                                 slices: this.slices.boxes() });
     byId('cube').hidden = !settings.cube;
-    if (settings.cube) this.cube.draw(state.camera);
+    if (settings.cube) this.viewPanel.turnCube(state.camera);
     this.clipPanel.place();
   }
 
@@ -377,3 +374,5 @@ export class App {
     }
   }
 }
+
+window.app = new App();  // for tests

@@ -1,10 +1,13 @@
-// Camera, light, shading and background by fields.
+// Camera, light, shading and background by fields; the six views by buttons and by a cube that turns as the volume does.
 
-import { sixViews } from './camera.js';
-import { byId, clamp, element, fromHex, onDrag, onKeys, onNumber, show, toHex } from './dom.js';
+import { basisOf, sixViews } from './camera.js';
+import { byId, clamp, element, onColour, onDrag, onKeys, onNumber, show, toHex } from './dom.js';
 
 const cameraFields = ['azimuth', 'elevation', 'roll', 'zoom'], panFields = ['pan-right', 'pan-down'];
 const lightFields = ['light-right', 'light-up', 'light-front'];
+
+/** For CSS, whose y axis points down: where a body's own axes come to lie. */
+const turned = (x, y, z) => `matrix3d(${[...x, 0, ...y, 0, ...z, 0, 0, 0, 0, 1]})`;
 
 export class ViewPanel {
   constructor(app) {
@@ -20,10 +23,7 @@ export class ViewPanel {
     onNumber(byId('fov'), (fov) =>
       app.scene.state.camera.fov > 0 && app.scene.change({ camera: { fov, distance: 0 } }), refresh);
     byId('shading').addEventListener('change', () => app.toggleShading());
-    byId('background').addEventListener('input', ({ target }) => {
-      app.sender.pulse();
-      app.scene.change({ background: fromHex(target.value) });
-    });
+    onColour(app, byId('background'), (background) => app.scene.change({ background }));
     lightFields.forEach((id, k) => onNumber(byId(id), (value) => {
       const light = app.scene.state.light.with(k, value);
       if (Math.hypot(...light) > 0) app.scene.change({ light });
@@ -32,11 +32,24 @@ export class ViewPanel {
   }
 
   begin(patient) {
-    byId('six-views').replaceChildren(...sixViews.map((view, i) => {
-      const title = `From the ${view.name.toLowerCase()} (${i + 1})`;
-      return element('button', { title, 'aria-label': title, onclick: () => this.app.lookFrom(view) },
-                     patient ? view.patient : view.axis);
+    const make = (tag, attributes) => sixViews.map((view, i) => element(tag,
+      { ...attributes(view, i), onclick: () => this.app.lookFrom(view) }, patient ? view.patient : view.axis));
+    byId('six-views').replaceChildren(...make('button', ({ name }, i) => {
+      const title = `From the ${name.toLowerCase()} (${i + 1})`;
+      return { title, 'aria-label': title };
     }));
+    this.cube = element('div', {}, ...make('span', () => ({})));
+    sixViews.forEach((view, i) => {
+      const { right, up, viewer } = basisOf({ ...view, roll: 0 });
+      this.cube.children[i].style.transform = `${turned(right, up.map((c) => -c), viewer)} translateZ(var(--half))`;
+    });
+    byId('cube').replaceChildren(this.cube);
+  }
+
+  /** The sides of the cube look where the volume's do. */
+  turnCube(camera) {
+    const { right, up, viewer } = basisOf(camera);
+    this.cube.style.transform = turned(...[0, 1, 2].map((k) => [right[k], -up[k], viewer[k]]));
   }
 
   refresh() {
