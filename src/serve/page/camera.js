@@ -87,16 +87,11 @@ const latticeAxes = (volume) =>
   [0, 1, 2].map((k) => volume.direction.slice(3 * k, 3 * k + 3).map((d) => d * volume.spacing[k]));
 
 /** A lattice place in the world, but for its origin. */
-export const inWorld = (volume, [x, y, z]) => {
-  const axes = latticeAxes(volume);
-  return sum([x, axes[0]], [y, axes[1]], [z, axes[2]]);
-};
+export const inWorld = (volume, place) => sum(...latticeAxes(volume).map((axis, k) => [place[k], axis]));
 
 function boundingRadius(volume) {
-  const axes = latticeAxes(volume), half = volume.dims.map((n) => n / 2);
-  const corners = [[1, 1], [1, -1], [-1, 1], [-1, -1]];
-  return Math.max(...corners.map(([x, y]) =>
-    length(sum([x * half[0], axes[0]], [y * half[1], axes[1]], [half[2], axes[2]]))));
+  const corners = [[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]];
+  return Math.max(...corners.map((ends) => length(inWorld(volume, volume.dims.map((n, k) => 0.5 * n * ends[k])))));
 }
 
 /** World lengths that the picture's shorter side shows at zoom 1, at the depth of the volume's centre. */
@@ -113,8 +108,7 @@ export function viewOf(camera, volume, width, height) {
   const eye = camera.fov > 0 ? 0.5 * shown / Math.tan(0.5 * camera.fov * degree) : Infinity;
   const centre = [0.5 * width + camera.pan[0] * side, 0.5 * height + camera.pan[1] * side];
   const project = (lattice) => {
-    const [x, y, z] = lattice.map((l, k) => l - 0.5 * (volume.dims[k] - 1));
-    const world = sum([x, axes[0]], [y, axes[1]], [z, axes[2]]);
+    const world = sum(...lattice.map((l, k) => [l - 0.5 * (volume.dims[k] - 1), axes[k]]));
     const near = dot(basis.viewer, world);
     const scale = pixelsPerUnit * (eye === Infinity ? 1 : eye / Math.max(eye - near, 1e-9));
     return [centre[0] + scale * dot(basis.right, world), centre[1] - scale * dot(basis.up, world), near];
