@@ -7,6 +7,10 @@
 #include "volume/value_statistics.hpp"
 
 namespace ringsplat::serve {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Label, value, name)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunState::Parameter, name, value, low, high)
+
 namespace {
 
 using nlohmann::json;
@@ -20,12 +24,6 @@ json histogram_json(const Histogram& histogram) {
   constexpr int shown_bins = 256;
   return {
       {"low", histogram.low}, {"high", histogram.high}, {"counts", coarser(histogram, shown_bins).counts}};
-}
-
-json labels_json(const std::vector<Label>& labels) {
-  json all = json::array();
-  for (const Label& label : labels) all.push_back({{"value", label.value}, {"name", label.name}});
-  return all;
 }
 
 /// For each axis the lattice axes that point right and up in pictures of its slices: 1, 2 or 3, or where they
@@ -59,7 +57,7 @@ json volume_json(const ShownVolume& volume) {
           {"range", {volume.ranges.front().low, volume.ranges.front().high}},
           {"type", to_string(volume.grid.type)},
           {"slices", slices_json(volume)},
-          {"labels", labels_json(volume.labels)},
+          {"labels", volume.labels},
           {"histogram", histogram_json(volume.histogram)}};
 }
 
@@ -134,16 +132,13 @@ std::string state_text(const SceneState& scene) {
 }
 
 std::string run_text(const RunState& run) {
-  json parameters = json::array();
-  for (const auto& [name, value, low, high] : run.parameters)
-    parameters.push_back({{"name", name}, {"value", value}, {"low", low}, {"high", high}});
   return text_of({{"type", "run"},
                   {"step", run.step},
                   {"time", run.time},
                   {"rate", run.steps_a_second},
                   {"paused", run.paused},
                   {"histogram", histogram_json(run.histogram)},
-                  {"parameters", parameters}});
+                  {"parameters", run.parameters}});
 }
 
 std::string map_text(const MapMessage& map) {
