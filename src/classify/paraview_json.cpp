@@ -3,10 +3,10 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
+#include <glm/common.hpp>
 #include <nlohmann/json.hpp>
 
-#include "classify/colour_space.hpp"
-#include "classify/opacity_curve.hpp"
+#include "classify/paraview_curves.hpp"
 #include "classify/piecewise.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
@@ -103,22 +103,24 @@ std::vector<TransferFunction::OpacityPoint> read_opacities(const Json& map, std:
   return points;
 }
 
-ColourSpace read_colour_space(const Json& map, const std::string& where) {
+/// Null for RGB.
+ColourCurve read_colour_curve(const Json& map, const std::string& where) {
   const std::string name = text_field(map, "ColorSpace", "RGB", where);
+  if (name == "RGB") return nullptr;
   const bool wrap = !is_missing(map, "HSVWrap") && (map["HSVWrap"] == true || map["HSVWrap"] == 1);
-  if (const auto space = colour_space_from(name, wrap)) return *space;
+  if (const ColourCurve curve = colour_curve(name, wrap)) return curve;
   throw InputError(fmt::format("{}, ColorSpace: \"{}\" is not known", where, name),
                    "use RGB, HSV, Lab or Diverging, or export the map from ParaView as RGB");
 }
 
 /// Samples display colours along a way in another space, close enough together to be interpolated in RGB.
-std::vector<TransferFunction::ColourPoint> sample_space(
-    const std::vector<TransferFunction::ColourPoint>& points, ColourSpace space) {
+std::vector<TransferFunction::ColourPoint> sample_colours(
+    const std::vector<TransferFunction::ColourPoint>& points, ColourCurve curve) {
   return with_more(points, [&](auto& out, std::size_t i) {
     for (int k = 1; k < samples_each_colour_span; ++k) {
       const double t = double(k) / samples_each_colour_span;
       out.push_back({std::lerp(points[i].value, points[i + 1].value, t),
-                     interpolate(space, points[i].srgb, points[i + 1].srgb, t)});
+                     glm::clamp(curve(points[i].srgb, points[i + 1].srgb, t), 0.0, 1.0)});
     }
   });
 }
@@ -145,9 +147,9 @@ TransferFunction parse_transfer_function(const std::string& json, const std::str
       throw InputError(fmt::format("{}, NanColor: is not one colour", where), "give red, green, blue");
     tf.nan_srgb = {c[0], c[1], c[2]};
   }
-  const ColourSpace space = read_colour_space(map, where);
+  const ColourCurve curve = read_colour_curve(map, where);
   check(tf, where);
-  if (space != ColourSpace::rgb) tf.colours = sample_space(tf.colours, space);
+  if (curve != nullptr) tf.colours = sample_colours(tf.colours, curve);
   tf.opacities = sample_shapes(tf.opacities, shapes);
   return tf;
 }

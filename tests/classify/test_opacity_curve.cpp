@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "classify/opacity_curve.hpp"
+#include "classify/paraview_curves.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -1,4 +1,4 @@
-#include "classify/colour_space.hpp"
+#include "classify/paraview_curves.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +39,8 @@ glm::dvec3 hsv_to_rgb(const glm::dvec3& c) {
   return {channel(5.0), channel(3.0), channel(1.0)};
 }
 
-glm::dvec3 interpolate_hsv(const glm::dvec3& a, const glm::dvec3& b, double t, bool wrap) {
+template <bool wrap>
+glm::dvec3 interpolate_hsv(const glm::dvec3& a, const glm::dvec3& b, double t) {
   glm::dvec3 from = rgb_to_hsv(a), to = rgb_to_hsv(b);
   if (wrap && from.x - to.x > 0.5) to.x += 1.0;
   if (wrap && to.x - from.x > 0.5) from.x += 1.0;
@@ -68,6 +69,10 @@ glm::dvec3 lab_to_rgb(const glm::dvec3& lab) {
   const glm::dvec3 xyz{inverse_f(lab.y / 500.0 + y), inverse_f(y), inverse_f(y - lab.z / 200.0)};
   const glm::dvec3 light = glm::inverse(linear_to_xyz) * (xyz * white);
   return linear_to_srgb(glm::clamp(light, 0.0, 1.0));
+}
+
+glm::dvec3 interpolate_lab(const glm::dvec3& a, const glm::dvec3& b, double t) {
+  return lab_to_rgb(blend(rgb_to_lab(a), rgb_to_lab(b), t));
 }
 
 // Moreland's polar form of Lab (Moreland 2009, "Diverging Color Maps for Scientific Visualization", section
@@ -118,32 +123,60 @@ glm::dvec3 interpolate_diverging(const glm::dvec3& a, const glm::dvec3& b, doubl
       msh_to_lab({std::lerp(from.m, to.m, t), std::lerp(from.s, to.s, t), std::lerp(from.h, to.h, t)}));
 }
 
-}  // namespace
+// Opacities.
 
-std::optional<ColourSpace> colour_space_from(const std::string& name, bool hsv_wrap) {
-  if (name == "RGB") return ColourSpace::rgb;
-  if (name == "HSV") return hsv_wrap ? ColourSpace::hsv_wrapped : ColourSpace::hsv;
-  if (name == "Lab" || name == "CIELAB") return ColourSpace::lab;
-  if (name == "Diverging") return ColourSpace::diverging;
-  return std::nullopt;
+constexpr double nearly_linear = 0.01, nearly_step = 0.99;  // VTK's thresholds
+constexpr int pieces_each_side = 256;
+
+CurveShape limited(CurveShape shape) {
+  shape.midpoint = std::clamp(shape.midpoint, 1e-5, 1.0 - 1e-5);
+  return shape;
 }
 
-glm::dvec3 interpolate(ColourSpace space, const glm::dvec3& a, const glm::dvec3& b, double t) {
-  const auto mixed = [&] {
-    switch (space) {
-      case ColourSpace::hsv:
-      case ColourSpace::hsv_wrapped:
-        return interpolate_hsv(a, b, t, space == ColourSpace::hsv_wrapped);
-      case ColourSpace::lab:
-        return lab_to_rgb(blend(rgb_to_lab(a), rgb_to_lab(b), t));
-      case ColourSpace::diverging:
-        return interpolate_diverging(a, b, t);
-      case ColourSpace::rgb:
-        break;
+}  // namespace
+
+ColourCurve colour_curve(const std::string& space, bool hsv_wrap) {
+  if (space == "HSV") return hsv_wrap ? interpolate_hsv<true> : interpolate_hsv<false>;
+  if (space == "Lab" || space == "CIELAB") return interpolate_lab;
+  return space == "Diverging" ? interpolate_diverging : nullptr;
+}
+
+double shaped_opacity(double y0, double y1, const CurveShape& given, double t) {
+  const CurveShape shape = limited(given);
+  // Moves t so that the midpoint becomes 0.5.
+  double s = t < shape.midpoint ? 0.5 * t / shape.midpoint
+                                : 0.5 + 0.5 * (t - shape.midpoint) / (1.0 - shape.midpoint);
+  // VTK's curve (class vtkPiecewiseFunction): a power presses t together about its middle; a cubic Hermite
+  // curve with the same slope at both ends follows.
+  const double power = 1.0 + 10.0 * shape.sharpness;
+  s = s < 0.5 ? 0.5 * std::pow(2.0 * s, power) : 1.0 - 0.5 * std::pow(2.0 * (1.0 - s), power);
+  const double slope = (1.0 - shape.sharpness) * (y1 - y0);
+  const double smooth = s * s * (3.0 - 2.0 * s);
+  const double y = y0 + (y1 - y0) * smooth + slope * s * (1.0 - s) * (1.0 - 2.0 * s);
+  return std::clamp(y, std::min(y0, y1), std::max(y0, y1));
+}
+
+std::vector<TransferFunction::OpacityPoint> sample_shapes(
+    const std::vector<TransferFunction::OpacityPoint>& points, const std::vector<CurveShape>& shapes) {
+  return with_more(points, [&](auto& out, std::size_t i) {
+    const CurveShape shape = limited(shapes[i]);
+    const double y0 = points[i].opacity, y1 = points[i + 1].opacity;
+    const auto value_at = [&](double t) { return std::lerp(points[i].value, points[i + 1].value, t); };
+    const double middle = value_at(shape.midpoint);
+    if (shape.sharpness > nearly_step) {
+      out.push_back({middle, y0});
+      out.push_back({middle, y1});
+    } else if (shape.sharpness < nearly_linear) {
+      if (shapes[i].midpoint != 0.5) out.push_back({middle, 0.5 * (y0 + y1)});
+    } else {
+      for (int k = 1; k < 2 * pieces_each_side; ++k) {
+        const double half = double(k) / pieces_each_side;
+        const double t =
+            half <= 1.0 ? half * shape.midpoint : shape.midpoint + (half - 1.0) * (1.0 - shape.midpoint);
+        out.push_back({value_at(t), shaped_opacity(y0, y1, shape, t)});
+      }
     }
-    return blend(a, b, t);
-  };
-  return glm::clamp(mixed(), 0.0, 1.0);
+  });
 }
 
 }  // namespace ringsplat
