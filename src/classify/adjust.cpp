@@ -19,24 +19,15 @@ int steps_between(double low, double high) {
   return std::clamp(int(std::ceil(per_decade * std::log10(high / low))), 1, 256);
 }
 
-TransferFunction::ColourPoint mixed(const TransferFunction::ColourPoint& a,
-                                    const TransferFunction::ColourPoint& b, double part, double value) {
-  return {value, a.srgb + part * (b.srgb - a.srgb)};
-}
-TransferFunction::OpacityPoint mixed(const TransferFunction::OpacityPoint& a,
-                                     const TransferFunction::OpacityPoint& b, double part, double value) {
-  return {value, a.opacity + part * (b.opacity - a.opacity)};
-}
-
-/// `points` with others in between, so that logarithms are interpolated.
-template <class Point>
-std::vector<Point> filled(const std::vector<Point>& points) {
+/// `points` with others in between, so that logarithms are interpolated. `look`: the points' other member.
+template <class Point, class Look>
+std::vector<Point> filled(const std::vector<Point>& points, Look Point::*look) {
   return with_more(points, [&](std::vector<Point>& all, std::size_t k) {
     const Point &a = points[k], &b = points[k + 1];
     const int steps = steps_between(a.value, b.value);
     for (int i = 1; i < steps; ++i) {
       const double part = double(i) / steps;
-      all.push_back(mixed(a, b, part, between(a.value, b.value, part)));
+      all.push_back({between(a.value, b.value, part), blend(a.*look, b.*look, part)});
     }
   });
 }
@@ -110,13 +101,13 @@ std::vector<TransferFunction::ColourPoint> on_logarithmic_axis(
     std::vector<TransferFunction::ColourPoint> points) {
   const double low = points.front().value, high = points.back().value;
   move_to_logarithms(points, low, high);
-  return filled(points);
+  return filled(points, &TransferFunction::ColourPoint::srgb);
 }
 
 TransferFunction at_logarithmic_steps(const TransferFunction& tf) {
   TransferFunction out = tf;
-  out.colours = filled(tf.colours);
-  out.opacities = filled(tf.opacities);
+  out.colours = filled(tf.colours, &TransferFunction::ColourPoint::srgb);
+  out.opacities = filled(tf.opacities, &TransferFunction::OpacityPoint::opacity);
   return out;
 }
 

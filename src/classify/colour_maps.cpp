@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <cmath>
+#include <string_view>
 
 #include "ringsplat/base/error.hpp"
 
@@ -97,13 +97,9 @@ std::string plain_name(const std::string& name) {
   return plain;
 }
 
-std::vector<glm::dvec3> colours_of(const std::string& text) {
+std::vector<glm::dvec3> colours_of(std::string_view text) {
   std::vector<glm::dvec3> colours;
-  for (std::size_t at = 0; at + 6 <= text.size(); at += 6) {
-    std::uint32_t rgb = 0;
-    std::from_chars(text.data() + at, text.data() + at + 6, rgb, 16);
-    colours.push_back(colour_of(rgb));
-  }
+  for (; !text.empty(); text.remove_prefix(6)) colours.push_back(*hex_colour(text.substr(0, 6)));
   return colours;
 }
 

@@ -88,9 +88,7 @@ TransferFunction from_table(const PresetTable& table, const DataRange& range) {
   tf.name = table.name.name;
   tf.colours = table.colours;
   tf.opacities = table.opacities;
-  if (table.scale == Scale::hounsfield) return tf;
-  for (auto& p : tf.colours) p.value = range.at(p.value);
-  for (auto& p : tf.opacities) p.value = range.at(p.value);
+  if (table.scale == Scale::range) stretch(tf, range);
   return tf;
 }
 

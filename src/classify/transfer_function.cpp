@@ -44,11 +44,7 @@ TransferFunction::Sample TransferFunction::evaluate(double value) const {
 
 bool TransferFunction::visible_within(double low, double high) const {
   if (!(low <= high)) return false;
-  const auto visible_at = [this](double value) {
-    const Place o = locate(opacities, value);
-    return opacities[o.index].opacity > 0 || (o.t > 0 && opacities[o.index + 1].opacity > 0);
-  };
-  if (visible_at(low) || visible_at(high)) return true;
+  if (opacity_at(opacities, low) > 0 || opacity_at(opacities, high) > 0) return true;
   // Neither end is visible, so something is only if a piece between points is above zero in (low, high).
   for (std::size_t i = 0; i + 1 < opacities.size(); ++i) {
     const auto &a = opacities[i], &b = opacities[i + 1];
