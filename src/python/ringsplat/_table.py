@@ -96,11 +96,7 @@ def _refuse_unknown(name: str, session: bool) -> None:
 
 def _views_of(options: dict[str, Any]) -> tuple[dict[str, Any], list[list[float | None]] | None]:
     """Takes lists of angles out of the options: one entry a view, or None where there is but one."""
-    lists = {
-        name: np.asarray(options[name], dtype=float)
-        for name in ANGLES
-        if name in options and np.ndim(options[name]) > 0
-    }
+    lists = {name: np.asarray(options[name], dtype=float) for name in ANGLES if np.ndim(options.get(name, 0)) > 0}
     if not lists:
         return options, None
     counts = {values.size for values in lists.values()}
@@ -151,10 +147,8 @@ def _words(options: dict[str, Any]) -> list[str]:
     words = []
     for name, value in options.items():
         option = OPTIONS[name]
-        if value is None or (option.values == 0 and not value):
-            continue
         if option.values == 0:
-            words.append(option.flag)
+            words += [option.flag] if value else []
             continue
         try:
             first, *rest = words_of(option.form, value)

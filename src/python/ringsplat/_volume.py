@@ -117,11 +117,9 @@ def as_array(volume: Any) -> np.ndarray:
 def three(values: Any, name: str) -> tuple[float, float, float]:
     """(x, y, z), or one number for all three."""
     numbers = np.asarray(values, dtype=float).ravel()
-    if numbers.size == 1:
-        numbers = np.repeat(numbers, 3)
-    if numbers.size != 3:
+    if numbers.size not in (1, 3):
         raise TypeError(f"{name} needs one number or (x, y, z), not {values!r}")
-    x, y, z = numbers.tolist()
+    x, y, z = np.broadcast_to(numbers, 3).tolist()
     return (x, y, z)
 
 
