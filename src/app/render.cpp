@@ -8,7 +8,6 @@
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
 #include "app/render_job.hpp"
-#include "app/series.hpp"
 #include "app/views.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"

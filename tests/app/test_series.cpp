@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/program_runner.hpp"
-#include "app/series.hpp"
+#include "app/render_job.hpp"
 #include "formats/npy.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
