@@ -1,4 +1,4 @@
-#include "words/actions.hpp"
+#include "words/block_session.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,6 @@
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "ringsplat/base/error.hpp"
-#include "words/picture.hpp"
 
 namespace ringsplat::words {
 namespace {

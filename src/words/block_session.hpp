@@ -1,5 +1,7 @@
 #pragma once
+#include <cstdint>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -8,10 +10,39 @@
 
 #include "ringsplat/live/live.hpp"
 #include "ringsplat/session/session.hpp"
-#include "words/actions.hpp"
 #include "words/picture.hpp"
 
 namespace ringsplat::words {
+
+/// A picture that is wanted now and then.
+struct Action {
+  std::string name;  ///< the section's
+  std::int64_t every = 1, first = 0;
+  std::string file;                ///< {step}: the step's number in six digits
+  std::vector<std::string> words;  ///< for parse_picture()
+};
+
+/// Of a TOML file: a section is a picture, its keys `every`, `first` and `file`, the others options of
+/// `ringsplat render`. Throws InputError.
+std::vector<Action> parse_actions(const std::string& text);
+
+/// Pictures that a file asks for, which may be changed while a program runs: as Ascent's actions (Larsen et
+/// al. 2022).
+class Actions {
+ public:
+  explicit Actions(std::filesystem::path path) : path_(std::move(path)) {}
+
+  /// Those that the file has now and that are due after a step, with the files that they are written to:
+  /// beside it where they are relative. What is wrong in it is warned of, and what it said before counts.
+  std::vector<Action> due(std::int64_t step);
+  /// Warns, unless of the same as the last time.
+  void warn(const std::string& what);
+
+ private:
+  std::filesystem::path path_;
+  std::string text_, warned_;  ///< as they were last
+  std::vector<Action> actions_;
+};
 
 /// A session whose pictures are described by the command line's options.
 class BlockSession {
@@ -34,7 +65,7 @@ class BlockSession {
   /// The same, of one view, which rank 0 writes to a file.
   void draw(const std::vector<std::string>& words, const std::string& file);
 
-  /// Draws the pictures that a file asks for (words/actions.hpp) after a step, of the blocks as they are now:
+  /// Draws the pictures that a file asks for after a step, of the blocks as they are now:
   /// they are committed when there are any. What is wrong with one is warned of. Collective.
   void act(const std::string& file, std::int64_t step);
 
