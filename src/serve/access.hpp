@@ -33,6 +33,13 @@ std::string frame_ancestors(const std::vector<std::string>& origins);
 /// A SHA-256 as a Content-Security-Policy names what may stand in a page: "'sha256-...'".
 std::string policy_source(std::string_view hexadecimal);
 
+/// The page, which has its style sheet and all modules of src/serve/page in it.
+struct PageFile {
+  std::string_view html, gzipped;
+  std::string_view script_hash, style_hash, hash;  ///< SHA-256 in hexadecimal digits
+};
+extern const PageFile page_file;
+
 /// The subprotocol that the server chooses.
 inline constexpr std::string_view subprotocol = "ringsplat.v1";
 

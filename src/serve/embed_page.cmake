@@ -54,7 +54,7 @@ foreach(name html gzipped)
   string(REGEX REPLACE "(..)" "0x\\1," bytes "${${name}}")
   string(APPEND arrays "constexpr unsigned char ${name}[] = {${bytes}0};\n")
 endforeach()
-file(WRITE ${OUTPUT} "#include \"serve/page.hpp\"
+file(WRITE ${OUTPUT} "#include \"serve/access.hpp\"
 
 namespace ringsplat::serve {
 namespace {

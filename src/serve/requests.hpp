@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "classify/srgb.hpp"
+#include "base/srgb.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
 #include "ringsplat/base/error.hpp"

@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "base/log.hpp"
-#include "classify/srgb.hpp"
+#include "base/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/audience.hpp"
 #include "serve/picture_maker.hpp"

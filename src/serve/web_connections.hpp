@@ -16,7 +16,6 @@
 #include <boost/beast.hpp>
 
 #include "serve/access.hpp"
-#include "serve/page.hpp"
 #include "serve/web_server.hpp"
 
 namespace ringsplat::serve::web {
