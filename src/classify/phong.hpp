@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <glm/vec3.hpp>
@@ -42,5 +43,17 @@ class PhongTable {
  private:
   std::vector<float> scales_, highlights_;  ///< by place; place 0, of no_normal, has 1 and 0
 };
+
+/// A row of a slice.
+struct VoxelRow {
+  const std::byte* values;    ///< in native byte order, at any address
+  const NormalCode* normals;  ///< may be null
+  int columns;
+};
+
+/// Makes the samples of the visible voxels that classifier.find_row found in a row. Each is lit by its
+/// normal, or unlit if `phong` or the normals are null. The same bits at every vector width.
+void make_samples(const Classifier& classifier, const VoxelRow& row, const PhongTable* phong,
+                  VisibleRow& out);
 
 }  // namespace ringsplat

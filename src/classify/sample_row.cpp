@@ -1,4 +1,4 @@
-#include "classify/sample_row.hpp"
+#include "classify/phong.hpp"
 
 #include "base/vector_config.hpp"
 

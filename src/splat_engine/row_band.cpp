@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "classify/sample_row.hpp"
+#include "classify/phong.hpp"
 
 namespace ringsplat {
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "classify/find_visible.hpp"
-#include "classify/sample_row.hpp"
+#include "classify/phong.hpp"
 #include "classify/two_points.hpp"
 #include "classify/type_of.hpp"
 #include "support/catch.hpp"
