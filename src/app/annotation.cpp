@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "base/printable.hpp"
-#include "classify/srgb.hpp"
+#include "base/srgb.hpp"
 #include "frame/frame_geometry.hpp"
 #include "ringsplat/view/view.hpp"
 

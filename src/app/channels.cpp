@@ -7,8 +7,8 @@
 
 #include "base/hex_colour.hpp"
 #include "base/printable.hpp"
+#include "base/srgb.hpp"
 #include "base/text.hpp"
-#include "classify/srgb.hpp"
 #include "formats/channels.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "base/srgb.hpp"
 #include "classify/adjust.hpp"
 #include "classify/piecewise.hpp"
-#include "classify/srgb.hpp"
 #include "volume/scalars.hpp"
 
 namespace ringsplat {

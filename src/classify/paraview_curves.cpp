@@ -8,8 +8,8 @@
 #include <glm/matrix.hpp>
 #include <numbers>
 
+#include "base/srgb.hpp"
 #include "classify/piecewise.hpp"
-#include "classify/srgb.hpp"
 
 namespace ringsplat {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "base/srgb.hpp"
 #include "classify/piecewise.hpp"
-#include "classify/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {

@@ -10,8 +10,8 @@
 #include <filesystem>
 #include <glm/geometric.hpp>
 
+#include "base/srgb.hpp"
 #include "images/image_library.hpp"
-#include "images/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/config.hpp"
 
@@ -155,7 +155,7 @@ void lay_over(const Overlay& overlay, int width, int height, int channels, std::
   for_each_pixel(overlay, width, height, [&](const float* over, std::size_t pixel) {
     float* const value = linear.data() + pixel * std::size_t(channels);
     for (int c = 0; c < 3; ++c)
-      value[c] = over[3] * linear_of_srgb(over[c] / over[3]) + (1 - over[3]) * value[c];
+      value[c] = over[3] * srgb_to_linear(over[c] / over[3]) + (1 - over[3]) * value[c];
     if (channels == 4) value[3] = over[3] + (1 - over[3]) * value[3];
   });
 }

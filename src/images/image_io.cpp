@@ -9,9 +9,9 @@
 #include <span>
 #include <utility>
 
+#include "base/srgb.hpp"
 #include "base/text.hpp"
 #include "images/image_file.hpp"
-#include "images/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/config.hpp"
 
@@ -49,7 +49,7 @@ Image::Floats linear_pixels(const Image& image, const std::optional<glm::dvec3>&
   return rgb;
 }
 
-/// The same bytes as to_byte(srgb_of_linear(v)) without a power for each value, which would take longer than
+/// The same bytes as to_byte(linear_to_srgb(v)) without a power for each value, which would take longer than
 /// rendering.
 class SrgbBytes {
  public:
@@ -77,7 +77,7 @@ class SrgbBytes {
     std::uint32_t below = 0, from = std::bit_cast<std::uint32_t>(1.0F);
     while (from - below > 1) {
       const std::uint32_t middle = below + (from - below) / 2;
-      (to_byte(srgb_of_linear(std::bit_cast<float>(middle))) >= byte ? from : below) = middle;
+      (to_byte(linear_to_srgb(std::bit_cast<float>(middle))) >= byte ? from : below) = middle;
     }
     return std::bit_cast<float>(from);
   }
@@ -230,7 +230,7 @@ StoredImage to_linear(StoredImage stored) {
   for (std::size_t at = 0; at < stored.image.rgba.size(); at += 4) {
     const float alpha = stored.image.rgba[at + 3];
     for (std::size_t c = 0; c < 3 && alpha > 0; ++c)
-      stored.image.rgba[at + c] = alpha * linear_of_srgb(stored.image.rgba[at + c] / alpha);
+      stored.image.rgba[at + c] = alpha * srgb_to_linear(stored.image.rgba[at + c] / alpha);
   }
   return stored;
 }

@@ -11,8 +11,8 @@
 
 #include "base/archive.hpp"
 #include "base/clock.hpp"
+#include "base/srgb.hpp"
 #include "classify/auto_preset.hpp"
-#include "classify/srgb.hpp"
 #include "frame/quality.hpp"
 #include "net/agree.hpp"
 #include "ringsplat/base/error.hpp"

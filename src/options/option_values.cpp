@@ -12,7 +12,7 @@
 
 #include "base/hex_colour.hpp"
 #include "base/printable.hpp"
-#include "images/srgb.hpp"
+#include "base/srgb.hpp"
 #include "options/option_list.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -50,7 +50,7 @@ constexpr std::pair<std::string_view, std::uint32_t> named_colours[] = {
 
 glm::dvec3 linear(const glm::dvec3& srgb) {
   glm::dvec3 light;
-  for (int c = 0; c < 3; ++c) light[c] = linear_of_srgb(static_cast<float>(srgb[c]));
+  for (int c = 0; c < 3; ++c) light[c] = srgb_to_linear(static_cast<float>(srgb[c]));
   return light;
 }
 

@@ -2,7 +2,7 @@
 #include <limits>
 #include <random>
 
-#include "classify/srgb.hpp"
+#include "base/srgb.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"

@@ -6,7 +6,7 @@
 #include <glm/vec4.hpp>
 #include <numeric>
 
-#include "images/srgb.hpp"
+#include "base/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 
@@ -83,7 +83,7 @@ TEST_CASE("an overlay makes a transparent picture opaque where it is, and keeps 
 TEST_CASE("an overlay over linear light is converted to it") {
   std::vector<float> rgb{0.1F, 0.2F, 0.3F};
   lay_over(dot(0, 0, {0.5F, 0.5F, 0.5F, 1}), 1, 1, 3, std::span<float>(rgb));
-  CHECK(rgb[0] == Approx(linear_of_srgb(0.5F)));
+  CHECK(rgb[0] == Approx(srgb_to_linear(0.5F)));
   std::vector<float> rgba{0.1F, 0.1F, 0.1F, 0.2F};
   lay_over(dot(0, 0, {0.5F, 0.5F, 0.5F, 0.5F}), 1, 1, 4, std::span<float>(rgba));
   CHECK(rgba[0] == Approx(0.5 + 0.05));

@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/srgb.hpp"
 #include "images/image_library.hpp"
-#include "images/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/file_size_limit.hpp"
@@ -201,17 +201,17 @@ TEST_CASE("a library that cannot be loaded is an error that names it and says wh
 TEST_CASE("display values and linear light are each other's inverse") {
   for (int byte = 0; byte < 256; ++byte) {
     const float value = float(byte) / 255.0F;
-    CHECK(srgb_of_linear(linear_of_srgb(value)) == Approx(value).margin(1e-6));
+    CHECK(linear_to_srgb(srgb_to_linear(value)) == Approx(value).margin(1e-6));
   }
-  CHECK(linear_of_srgb(0.5F) == Approx(0.2140411).epsilon(1e-5));
+  CHECK(srgb_to_linear(0.5F) == Approx(0.2140411).epsilon(1e-5));
 }
 
 TEST_CASE("display values and linear light are OpenImageIO's, to the bit") {
   constexpr int steps = 100'000;
   for (int k = 0; k <= steps; ++k) {
     const float value = float(k) / steps;
-    REQUIRE(linear_of_srgb(value) == OIIO::sRGB_to_linear(value));
-    REQUIRE(srgb_of_linear(value) == OIIO::linear_to_sRGB(value));
+    REQUIRE(srgb_to_linear(value) == OIIO::sRGB_to_linear(value));
+    REQUIRE(linear_to_srgb(value) == OIIO::linear_to_sRGB(value));
   }
 }
 
