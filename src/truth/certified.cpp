@@ -219,7 +219,7 @@ class Certifier : Tracer {
     const Cell shown = scene_.nearest() ? Cell{passage.nearest, passage.nearest} : passage.cell;
     const auto values = cell_values(scene_, curve_, shown);
     if (!values) return;
-    const Medium medium = medium_of(ray, passage, *values);
+    const CellMedium medium = medium_of(ray, passage, *values);
     if (!curve_.visible(values->low - medium.extra, values->high + medium.extra)) return;
     const auto value_at = [&](double part) {
       return median(series_of<0>(medium.value, Interval(part), 0)[0]);
@@ -250,8 +250,8 @@ class Certifier : Tracer {
     return along_passage(corners, passage);
   }
 
-  Medium medium_of(const LatticeRay& ray, const Passage& passage, const CellValues& values) const {
-    Medium medium{value_of(values, passage), std::nullopt, 0};
+  CellMedium medium_of(const LatticeRay& ray, const Passage& passage, const CellValues& values) const {
+    CellMedium medium{value_of(values, passage), std::nullopt, 0};
     // Each axis changes the field by less than the values' range a voxel.
     if (passage.beside > 0) medium.extra = 3 * passage.beside * width(values_);
     if (medium.extra > 0) medium.value[0] += within(medium.extra);
@@ -291,7 +291,7 @@ class Certifier : Tracer {
   }
 
   /// The piece [a, b] of a passage, in parts of it, or its halves where its bounds are too wide.
-  void refine(const Medium& medium, const Passage& passage, double a, double b, Sight& sight) const {
+  void refine(const CellMedium& medium, const Passage& passage, double a, double b, Sight& sight) const {
     const Part part(passage.length, a, b);
     const double front = sight.transmittance.upper(), middle = 0.5 * (a + b);
     const auto narrow = [&](const EnclosedPiece& piece) {

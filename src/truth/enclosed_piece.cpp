@@ -34,7 +34,7 @@ struct Densities {
 constexpr int order = 4;
 
 template <int N>
-Densities<N> densities(const Medium& medium, const Extremes& e, const EnclosedCurve::Line& line,
+Densities<N> densities(const CellMedium& medium, const Extremes& e, const EnclosedCurve::Line& line,
                        const Part& part, double reach) {
   const Series<N> value = series_of<N>(medium.value, part.middle, reach);
   const auto of_curve = [&](std::size_t channel) {
@@ -104,7 +104,7 @@ EnclosedPiece behind(const EnclosedPiece& front, const EnclosedPiece& back) {
   return both;
 }
 
-Extremes extremes_of(const EnclosedCurve& lines, const Medium& medium, const Part& part) {
+Extremes extremes_of(const EnclosedCurve& lines, const CellMedium& medium, const Part& part) {
   Extremes e;
   e.value = series_of<0>(medium.value, part.middle, part.reach())[0];
   e.of_curve = lines.over(e.value);
@@ -131,7 +131,7 @@ EnclosedPiece between(const Extremes& e, const Part& part) {
   return piece;
 }
 
-std::optional<EnclosedPiece> expanded(const EnclosedCurve& lines, const Medium& medium, const Extremes& e,
+std::optional<EnclosedPiece> expanded(const EnclosedCurve& lines, const CellMedium& medium, const Extremes& e,
                                       const Part& part) {
   constexpr double most_opacity = 0.9999;
   if (!e.light.kind.smooth || !(e.opacity().upper() < most_opacity)) return std::nullopt;

@@ -8,8 +8,8 @@
 
 namespace ringsplat::truth {
 
-/// What a piece of a ray adds and lets through. Of one whose light is a mean of `colours`, colour follows
-/// from what it does let through.
+/// What a piece of a ray adds and lets through. Where its light is known as a mean alone, of `mean_of`,
+/// colour is what follows from that.
 struct EnclosedPiece {
   std::array<Interval, 3> colour{};
   Interval transmittance = 1;
@@ -26,7 +26,7 @@ struct EnclosedPiece {
 EnclosedPiece behind(const EnclosedPiece& front, const EnclosedPiece& back);
 
 /// What of a cell decides the medium along a passage.
-struct Medium {
+struct CellMedium {
   Polynomial value;
   std::optional<EnclosedLight> light;
   double extra = 0;  ///< how far the field is from the polynomial, at most: 0 but beside faces
@@ -53,13 +53,13 @@ struct Extremes {
   Interval lit(std::size_t channel) const { return of_curve[channel] * light.scale + light.highlight; }
 };
 
-Extremes extremes_of(const EnclosedCurve& lines, const Medium& medium, const Part& part);
+Extremes extremes_of(const EnclosedCurve& lines, const CellMedium& medium, const Part& part);
 
 /// By extremes alone.
 EnclosedPiece between(const Extremes& e, const Part& part);
 /// By Taylor's series about the middle, with the last coefficient of the whole piece as remainder; nothing
 /// where light or opacity have none.
-std::optional<EnclosedPiece> expanded(const EnclosedCurve& lines, const Medium& medium, const Extremes& e,
+std::optional<EnclosedPiece> expanded(const EnclosedCurve& lines, const CellMedium& medium, const Extremes& e,
                                       const Part& part);
 
 }  // namespace ringsplat::truth
