@@ -94,16 +94,6 @@ Passage passage_between(const Scene& scene, const LatticeRay& ray, const Uncerta
   return p;
 }
 
-/// The cells along a ray, front to back, cut as well where the nearest voxel changes if values are not
-/// interpolated.
-std::vector<Passage> passages(const Scene& scene, const LatticeRay& ray) {
-  const std::vector<Uncertain> cuts = uncertain_cuts(scene, ray);
-  std::vector<Passage> all;
-  for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
-    if (cuts[i].at < cuts[i + 1].at) all.push_back(passage_between(scene, ray, cuts[i], cuts[i + 1]));
-  return all;
-}
-
 /// Interpolation between a cell's corners as a polynomial of the part of the passage.
 Polynomial along_passage(const Corners<Interval>& corners, const Passage& passage) {
   std::array<Polynomial, 8> level{};
@@ -153,10 +143,9 @@ class Certifier : Tracer {
     const LatticeRay ray = rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return hits(grown_) ? PixelBounds{} : PixelBounds{Rgba(0.0), Rgba(0.0)};
     Sight sight{{}, 1, 1 / (ray.leave - ray.enter), most_pieces_};
-    for (const Passage& passage : passages(scene_, ray)) {
-      if (hidden(sight)) break;
-      pass(ray, passage, sight);
-    }
+    const std::vector<Uncertain> cuts = uncertain_cuts(scene_, ray);
+    for (std::size_t i = 0; i + 1 < cuts.size() && !hidden(sight); ++i)
+      if (cuts[i].at < cuts[i + 1].at) pass(ray, passage_between(scene_, ray, cuts[i], cuts[i + 1]), sight);
     PixelBounds bounds = bounds_of(composited(sight));
     if (!hits(shrunk_)) bounds.low = Rgba(0.0);
     return bounds;
@@ -196,18 +185,15 @@ class Certifier : Tracer {
   }
 
   static PixelBounds bounds_of(const EnclosedPiece& seen) {
+    const auto& [red, green, blue] = seen.colour;
+    const Interval channels[] = {red, green, blue, clamped(1.0 - seen.transmittance, 0, 1)};
     PixelBounds bounds;
-    const double behind = seen.transmittance.upper();
-    for (int c = 0; c < 3; ++c) {
-      const Interval& colour = seen.colour[std::size_t(c)];
-      bounds.low[c] = std::max(0.0, colour.lower());
-      bounds.high[c] = std::min(1.0, colour.upper());
-    }
-    bounds.low.a = 1 - behind;
-    bounds.high.a = 1 - seen.transmittance.lower();
-    // Whatever was no number proves nothing.
-    for (int c = 0; c < 4; ++c)
+    for (int c = 0; c < 4; ++c) {
+      bounds.low[c] = channels[c].lower();
+      bounds.high[c] = channels[c].upper();
+      // Whatever was no number proves nothing.
       if (!(bounds.low[c] <= bounds.high[c])) return {};
+    }
     return bounds;
   }
 
@@ -219,8 +205,10 @@ class Certifier : Tracer {
     const Cell shown = scene_.nearest() ? Cell{passage.nearest, passage.nearest} : passage.cell;
     const auto values = cell_values(scene_, curve_, shown);
     if (!values) return;
-    const CellMedium medium = medium_of(ray, passage, *values);
-    if (!curve_.visible(values->low - medium.extra, values->high + medium.extra)) return;
+    // How far the field is from the cell's own: each axis changes it by less than the values' range a voxel.
+    const double extra = passage.beside > 0 ? 3 * passage.beside * width(values_) : 0;
+    if (!curve_.visible(values->low - extra, values->high + extra)) return;
+    const CellMedium medium = medium_of(ray, passage, *values, extra);
     const auto value_at = [&](double part) {
       return median(series_of<0>(medium.value, Interval(part), 0)[0]);
     };
@@ -250,11 +238,10 @@ class Certifier : Tracer {
     return along_passage(corners, passage);
   }
 
-  CellMedium medium_of(const LatticeRay& ray, const Passage& passage, const CellValues& values) const {
-    CellMedium medium{value_of(values, passage), std::nullopt, 0};
-    // Each axis changes the field by less than the values' range a voxel.
-    if (passage.beside > 0) medium.extra = 3 * passage.beside * width(values_);
-    if (medium.extra > 0) medium.value[0] += within(medium.extra);
+  CellMedium medium_of(const LatticeRay& ray, const Passage& passage, const CellValues& values,
+                       double extra) const {
+    CellMedium medium{value_of(values, passage)};
+    if (extra > 0) medium.value[0] += within(extra);
     if (!scene_.shaded()) return medium;
     const Corners<glm::dvec3> normals = cell_normals(gradients_, passage.cell);
     const bool level =
@@ -328,11 +315,10 @@ class Certifier : Tracer {
                 within(3 * voxels * width(values_));
     }
     e.of_curve = lines_.over(e.value);
-    const PhongMaterial& material = scene_.frame.shown.material;
-    if (scene_.shaded())
-      e.light = {hull(Interval(1), Interval(material.ambient, material.ambient + material.diffuse)),
-                 Interval(0, material.specular),
-                 {}};
+    if (scene_.shaded()) {
+      e.light = EnclosedLight::any(scene_.frame.shown.material);
+      e.light.scale = hull(e.light.scale, Interval(1));  // none, where the field is level
+    }
     EnclosedPiece piece = between(e, Part(passage.length, 0, 1));
     piece.transmittance = {piece.transmittance.lower(), 1};
     return piece;

@@ -40,11 +40,15 @@ class EnclosedLight {
       light_to_viewer_ += component(to_light, axis) * component(to_viewer, axis);
   }
 
+  /// Whatever the normal.
+  static Bounds any(const PhongMaterial& m) {
+    return {m.ambient + m.diffuse * Interval(0, 1), Interval(0, m.specular), {}};
+  }
   /// Everywhere within `reach` of `place`.
   Bounds over(const Interval& place, double reach) const {
     Interval squared = 0;
     for (const Polynomial& p : normal_) squared += square(series_of<0>(p, place, reach)[0]);
-    Bounds all{material_.ambient + material_.diffuse * Interval(0, 1), Interval(0, material_.specular), {}};
+    Bounds all = any(material_);
     constexpr double least = 1e-250;  // of which a power is a number
     if (!(squared.lower() > least)) return all;
     const Interval inverse = power(squared, -0.5),

@@ -28,8 +28,7 @@ EnclosedPiece behind(const EnclosedPiece& front, const EnclosedPiece& back);
 /// What of a cell decides the medium along a passage.
 struct CellMedium {
   Polynomial value;
-  std::optional<EnclosedLight> light;
-  double extra = 0;  ///< how far the field is from the polynomial, at most: 0 but beside faces
+  std::optional<EnclosedLight> light = std::nullopt;
 };
 
 /// The piece [a, b] of a passage, in parts of it.
