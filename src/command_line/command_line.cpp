@@ -11,7 +11,6 @@
 #include "options/contradictions.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/config.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -13,7 +13,6 @@
 #include "base/srgb.hpp"
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/config.hpp"
 
 namespace ringsplat {
 namespace {

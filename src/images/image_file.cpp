@@ -15,7 +15,6 @@
 #include "base/text.hpp"
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/config.hpp"
 
 namespace ringsplat {
 namespace {

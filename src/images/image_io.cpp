@@ -13,7 +13,6 @@
 #include "base/text.hpp"
 #include "images/image_file.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/config.hpp"
 
 namespace ringsplat {
 

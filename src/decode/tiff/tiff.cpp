@@ -17,7 +17,6 @@
 #include "formats/signatures.hpp"
 #include "formats/volume_files.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/config.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
