@@ -120,16 +120,7 @@ WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
                    spacing = level / glm::dvec3(sketch.points);
   voxels_of_point_ = spacing.x * spacing.y * spacing.z * stands_for;
 
-  constexpr double most_cells = 96, least_cell = 4;
-  for (int along = 0; along < 2; ++along) {
-    double size = 0;  // of what a point stands for
-    for (int k = 0; k < 3 && !g.view.eye; ++k) size += std::abs(g.view.linear[k][along]) * spacing[k];
-    cell_[along] = std::max({size, least_cell, double(along == 0 ? g.width : g.height) / most_cells});
-  }
-  columns_ = int(std::ceil(g.width / cell_.x)) + 1;
-  rows_ = int(std::ceil(g.height / cell_.y)) + 1;
-  work_.assign(std::size_t(columns_) * std::size_t(rows_), 0);
-  seen_.assign(work_.size(), 0);
+  make_cells(g, spacing);
   around_ = costs.block > 0 ? 0.5 * size_of_block(g, costs.block) : g.reach;
   for (int along = 0; along < 2; ++along)
     if (!std::isfinite(around_[along])) around_[along] = 0;
@@ -170,6 +161,20 @@ WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
   }
   first_slice_ = g.box.first[axis];
   layer_of_slice_ = 1 / spacing[axis];
+}
+
+/// Cells as large as what a point stands for, within bounds.
+void WorkEstimate::make_cells(const FrameGeometry& g, const glm::dvec3& spacing) {
+  constexpr double most_cells = 96, least_cell = 4;
+  for (int along = 0; along < 2; ++along) {
+    double size = 0;
+    for (int k = 0; k < 3 && !g.view.eye; ++k) size += std::abs(g.view.linear[k][along]) * spacing[k];
+    cell_[along] = std::max({size, least_cell, double(along == 0 ? g.width : g.height) / most_cells});
+  }
+  columns_ = int(std::ceil(g.width / cell_.x)) + 1;
+  rows_ = int(std::ceil(g.height / cell_.y)) + 1;
+  work_.assign(std::size_t(columns_) * std::size_t(rows_), 0);
+  seen_.assign(work_.size(), 0);
 }
 
 /// Spreads a point's work over the four cells round it: lattices of points as far apart as cells become even.
