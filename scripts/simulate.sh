@@ -8,9 +8,6 @@
 # options that follow are the program's and come first. mpi_configs/simulated has configurations, docs/simulation.md the method.
 # The seconds that are printed, and those in --stats, are seconds of the simulated machine.
 #
-#   RINGSPLAT_LINKS=FILE.csv   also writes what payloads did on each link
-#   RINGSPLAT_TRANSFERS=FILE.csv   also writes how long each payload was on its way, and would have been alone
-#   RINGSPLAT_UNCONTENDED=1    on links that any number of transfers use at full speed
 #   RINGSPLAT_RANKS=N      how many ranks, with gps = "auto"
 #   RINGSPLAT_MAP_BY=node  puts ranks on the hosts in turn, as mpirun --map-by node does; otherwise they fill one after another
 #   RINGSPLAT_BUILD=FOLDER     another build than build/release

@@ -12,7 +12,6 @@ STUDIES = {
     "rates": ("layouts", "rates", PROGRAM, "what GPs and Renderers do in a second, and a token's hop"),
     "mesh": ("mesh", "mesh", PROGRAM, "ring against mesh, and how often messages meet on a link"),
     "links": ("mesh", "links", (), "a heat map of a mesh's links, from --stats"),
-    "contention": ("mesh", "contention", SIMULATED, "what payloads that meet on simulated links cost a frame"),
     "shortcuts": ("shortcuts", "main", PROGRAM, "what each shortcut costs and gains"),
     "qualities": ("qualities", "main", PROGRAM, "time and error of sheets' settings, of which --quality's are chosen"),
     "accuracy": ("accuracy", "main", (*PROGRAM, "measure_roundings"), "all figures and pictures of docs/measured/accuracy.md"),

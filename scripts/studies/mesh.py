@@ -1,11 +1,8 @@
-"""The mesh: `mesh` measures it here, `links` draws what its links carried, `contention` simulates what meeting on links costs."""
-import os
-import re
+"""The mesh: `mesh` measures it here, `links` draws what its links carried."""
 import sys
-import tempfile
 
-from .output import ms, plotting, print_head, print_row, read_csv, write_figure
-from .run import HEAD, MACHINES, Bench, parser, read_frames, repeat
+from .output import ms, plotting, print_head, print_row, write_figure
+from .run import HEAD, Bench, parser, read_frames, repeat
 
 # As the program numbers them: columns and rows of GPs, Renderers.
 SHAPES = {"2x2+4": 8, "3x3+3": 12, "4x4+4": 20, "4x4+8": 24}
@@ -145,61 +142,3 @@ def draw_links(plt, frame, what):
     axes.set_title(f"{columns}×{rows} GPs, {layout['renderers']} Renderers, frame {frame['frame']}", fontsize=11)
     figure.colorbar(arrows, ax=axes, label=WHAT[what], shrink=0.8)
     return figure
-
-
-def contention(words):
-    """How long payloads wait for one another on a mesh's links, and what that costs a frame. Simulates a frame with its tokens moving
-freely, freely on links where nothing waits for anything, and in step: the head on meshes of Pixel-Planes 5's nodes, and the cube of
-`scripts/study scaling` on a larger one. Sums are over payloads. Takes some minutes."""
-    from .scaling import FROM_ABOVE, Study
-
-    arguments = parser(contention.__doc__)
-    arguments.add_argument("--small", action="store_true", help="only the smallest mesh")
-    small = arguments.parse_args(words).small
-    print_head("mesh", "links", "tokens", "ms a frame", "payloads", "slowed", "transfers alone, ms", "waiting, ms", "longest, ms")
-    with tempfile.TemporaryDirectory() as folder:
-        for gps, renderers, region in (("4x4", 8, 64), ("8x8", 16, 32))[:1 if small else 2]:
-            head = [HEAD, "--size", "256x256", "--elevation", 20, "--azimuth", 30, "--fit", "sphere", "--tf", "mr-soft", "--count-only",
-                    "--shading", "none", "--region", region, "--payload", "words"]
-            for bandwidth in (80e6, 10e6):
-                contention_rows(folder, head, "pixel-planes-5-mesh.toml", bandwidth, gps, renderers, steps=True)
-        if not small:
-            ball = Study(folder, folder, 1024).volume(1024, 1024, True) + FROM_ABOVE
-            for bandwidth in (12.5e9, 1.25e9):
-                contention_rows(folder, ball, "mesh.toml", bandwidth, "16x16", 31, steps=False)
-
-
-def contention_rows(folder, volume, machine, bandwidth, gps, renderers, steps):
-    described = os.path.join(folder, f"{bandwidth:g}-{machine}")
-    with open(described, "w", encoding="utf-8") as file:
-        file.write(re.sub(r"(?m)^bandwidth = .*", f"bandwidth = {bandwidth:g}", (MACHINES / machine).read_text()))
-    job = (folder, volume, described, gps, renderers)
-    kinds = [("free", measure(*job)), ("free, uncontended", measure(*job, uncontended=True))] + ([in_step(*job)] if steps else [])
-    speed = f"{bandwidth / 1e9:g} GB/s" if bandwidth >= 1e9 else f"{bandwidth / 1e6:g} MB/s"
-    for tokens, m in kinds:
-        print_row(f"{gps} + {renderers}", speed, tokens, ms(m["seconds"]), f"{m['payloads']:,}", f"{m['slowed']:,}", ms(m["alone"]),
-                  ms(abs(m["waiting"]), 2), ms(m["longest"], 2))
-
-
-def measure(folder, volume, machine, gps, renderers, step_seconds=0, uncontended=False):
-    from .simulation import simulate
-
-    files = {name: os.path.join(folder, name + ".csv") for name in ("links", "transfers")}
-    settings = {"machine": machine, "topology": "mesh", "mesh": gps, "renderers": renderers, "routing": "direct", "frames-in-flight": 1}
-    if step_seconds:
-        settings["step-seconds"] = step_seconds
-    frame = simulate(settings, *volume, monitors={**files, **({"uncontended": "1"} if uncontended else {})})[0]
-    transfers = read_csv(files["transfers"])
-    waits = [float(t["taken"]) - float(t["alone"]) for t in transfers]
-    return {"seconds": frame["seconds"], "payloads": len(waits), "slowed": sum(w > 1e-9 for w in waits), "waiting": sum(waits),
-            "longest": max(waits), "alone": sum(float(t["alone"]) for t in transfers),
-            "met": sum(int(link["overlaps"]) for link in read_csv(files["links"]))}
-
-
-def in_step(*job):
-    """The shortest of these steps in which no payload meets another."""
-    for milliseconds in (5, 6, 8, 10, 15, 20, 30, 50, 75, 100, 150, 200):
-        measured = measure(*job, step_seconds=milliseconds / 1e3)
-        if measured["met"] == 0:
-            return f"in step, {milliseconds} ms", measured
-    sys.exit("ringsplat: payloads meet in steps of 200 ms too")

@@ -13,7 +13,7 @@ COUNTED = ("--count-only", "--shading", "none")
 
 
 def run_simulation(config, *arguments, monitors=None):
-    """What scripts/simulate.sh printed; `monitors` is what it takes from the environment: links, transfers, uncontended, ranks, map_by, other."""
+    """What scripts/simulate.sh printed; `monitors` is what it takes from the environment: ranks, map_by, other."""
     environment = {f"RINGSPLAT_{name.upper()}": str(value) for name, value in (monitors or {}).items()}
     return output_of(REPO / "scripts/simulate.sh", config, *arguments, env={**os.environ, "RINGSPLAT_BUILD": str(BUILD), **environment})
 

@@ -1,6 +1,7 @@
 // A SimGrid platform made from a machine of mpi_configs/machines, for smpirun -platform. scripts/simulate.sh
 // sets the machine, the number of ranks and a mesh's layout by environment variables.
 #include <fmt/format.h>
+#include <smpi/smpi.h>
 #include <simgrid/kernel/routing/NetPoint.hpp>
 #include <simgrid/kernel/routing/NetZoneImpl.hpp>
 #include <simgrid/s4u.hpp>
@@ -9,13 +10,15 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <functional>
 #include <map>
 
 #include "net/mesh.hpp"
+#include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
+#include "simulate/counted_payload.hpp"
 #include "simulate/machine.hpp"
-#include "simulate/simgrid/link_monitor.hpp"
 
 namespace ringsplat::simgrid_platform {
 namespace {
@@ -26,10 +29,6 @@ namespace s4u = simgrid::s4u;
 /// Speed of a core. Any number does, since charges are in seconds.
 constexpr double speed = 1e9;
 constexpr double no_limit = 1e15;
-/// Bandwidth factor of uncontended links, so large that no transfer slows another. watch_links() then adds
-/// the time a transfer takes alone as latency. SimGrid's links of unshared bandwidth will not do: there a
-/// transfer on a longer route gets less when it meets one on a shorter route.
-constexpr double ample = 1e9;
 
 std::string setting(const char* name) {
   const char* value = std::getenv(name);
@@ -48,10 +47,7 @@ struct Job {
   Machine machine;
   int ranks;
   Layout layout;
-  bool uncontended = false;
 
-  double available(double bandwidth) const { return uncontended ? ample * bandwidth : bandwidth; }
-  double bandwidth() const { return available(machine.platform.bandwidth); }
   int hosts() const {
     const auto& platform = machine.platform;
     return platform.hosts > 0 ? platform.hosts : (ranks + platform.cores - 1) / platform.cores;
@@ -60,10 +56,6 @@ struct Job {
 
 Job read_job() {
   Job job{read_machine(setting("RINGSPLAT_MACHINE")), count_setting("RINGSPLAT_RANKS"), {}};
-  job.uncontended = !setting("RINGSPLAT_UNCONTENDED").empty();
-  if (job.uncontended && job.machine.platform.latency == 0)
-    throw InputError("uncontended links need platform.latency above 0",
-                     "a nanosecond changes little: latency = 1e-9");
   job.layout.gps = count_setting("RINGSPLAT_GPS");
   job.layout.renderers = count_setting("RINGSPLAT_RENDERERS");
   if (const std::string mesh = setting("RINGSPLAT_MESH"); !mesh.empty()) {
@@ -83,7 +75,7 @@ double or_no_limit(double bandwidth) { return bandwidth > 0 ? bandwidth : no_lim
 template <class Zone>
 s4u::Link* add_local_link(Zone& zone, const std::string& name, const Job& job) {
   const auto& platform = job.machine.platform;
-  auto* const link = zone.create_link(name, {job.available(or_no_limit(platform.local_bandwidth))});
+  auto* const link = zone.create_link(name, {or_no_limit(platform.local_bandwidth)});
   link->set_latency(platform.local_latency);
   link->set_sharing_policy(s4u::Link::SharingPolicy::FATPIPE);
   return link;
@@ -137,12 +129,12 @@ s4u::NetZone* backbone(const Job& job) {
   const auto& platform = job.machine.platform;
   Links out, in;
   for (int host = 0; host < job.hosts(); ++host) {
-    out.push_back(zone.add_link(fmt::format("n{}-out", host), job.bandwidth(), platform.latency));
-    in.push_back(zone.add_link(fmt::format("n{}-in", host), job.bandwidth(), 0));
+    out.push_back(
+        zone.add_link(fmt::format("n{}-out", host), job.machine.platform.bandwidth, platform.latency));
+    in.push_back(zone.add_link(fmt::format("n{}-in", host), job.machine.platform.bandwidth, 0));
   }
-  s4u::Link* const shared = platform.backbone_bandwidth > 0
-                                ? zone.add_link("backbone", job.available(platform.backbone_bandwidth), 0)
-                                : nullptr;
+  s4u::Link* const shared =
+      platform.backbone_bandwidth > 0 ? zone.add_link("backbone", platform.backbone_bandwidth, 0) : nullptr;
   s4u::Link* const local = add_local_link(zone, "local", job);
   zone.set_way([=](int from, int to) {
     if (from == to) return Links{local};
@@ -164,7 +156,7 @@ s4u::NetZone* mesh(const Job& job) {
   const auto& platform = job.machine.platform;
   std::map<Link, s4u::Link*> wires;
   for (const Link& link : links(job.layout))
-    wires[link] = zone.add_link(name(job.layout, link), job.bandwidth(), platform.latency);
+    wires[link] = zone.add_link(name(job.layout, link), job.machine.platform.bandwidth, platform.latency);
   s4u::Link* const local = add_local_link(zone, "local", job);
   zone.set_way([layout = job.layout, wires, local](int from, int to) {
     if (from == to) return Links{local};
@@ -195,21 +187,34 @@ s4u::ClusterCallbacks cluster_hosts(const Job& job) {
 s4u::NetZone* torus(const Job& job) {
   const auto columns = static_cast<unsigned long>(std::ceil(std::sqrt(job.hosts())));
   const auto rows = (static_cast<unsigned long>(job.hosts()) + columns - 1) / columns;
-  return s4u::create_torus_zone("machine", nullptr, {columns, rows}, cluster_hosts(job), job.bandwidth(),
-                                job.machine.platform.latency, s4u::Link::SharingPolicy::SPLITDUPLEX);
+  return s4u::create_torus_zone("machine", nullptr, {columns, rows}, cluster_hosts(job),
+                                job.machine.platform.bandwidth, job.machine.platform.latency,
+                                s4u::Link::SharingPolicy::SPLITDUPLEX);
 }
 
 s4u::NetZone* fat_tree(const Job& job) {
   const auto leaf = static_cast<unsigned>(std::min(job.machine.platform.leaf, job.hosts()));
   const unsigned leaves = (static_cast<unsigned>(job.hosts()) + leaf - 1) / leaf;
   return s4u::create_fatTree_zone("machine", nullptr, {2, {leaf, leaves}, {1, leaf}, {1, 1}},
-                                  cluster_hosts(job), job.bandwidth(), job.machine.platform.latency,
-                                  s4u::Link::SharingPolicy::SPLITDUPLEX);
+                                  cluster_hosts(job), job.machine.platform.bandwidth,
+                                  job.machine.platform.latency, s4u::Link::SharingPolicy::SPLITDUPLEX);
 }
 
 s4u::NetZone* make_zone(const Job& job) {
   constexpr std::array makers{backbone, mesh, torus, fat_tree};  // in PlatformKind's order
   return makers[std::size_t(job.machine.platform.kind)](job);
+}
+
+/// Copies a message to its receiver: of a payload that only counts no more than its first bytes, while its
+/// true size is charged. Otherwise a large volume's frame moves hundreds of gigabytes through this machine's
+/// memory.
+void copy_what_counts(smx_activity_t transfer, void* buffer, std::size_t size) {
+  Header header;
+  if (size >= sizeof(Header)) std::memcpy(&header, buffer, sizeof(Header));
+  const bool counted = header.magic == counted_magic && header.kind == Kind::payload;
+  // SimGrid declares the same type under two names and installs neither.
+  smpi_comm_copy_buffer_callback(reinterpret_cast<simgrid::kernel::activity::CommImpl*>(transfer), buffer,
+                                 counted ? std::min(size, counted_bytes) : size);
 }
 
 }  // namespace
@@ -223,10 +228,7 @@ void load_platform(const simgrid::s4u::Engine&) {
     const Job job = read_job();
     auto* const zone = make_zone(job);
     zone->seal();
-    copy_only_what_counts();
-    const MonitorFiles files{setting("RINGSPLAT_LINKS"), setting("RINGSPLAT_TRANSFERS")};
-    if (job.uncontended || !files.links.empty() || !files.transfers.empty())
-      watch_links(zone, job.uncontended ? ample : 1, files);
+    smpi_comm_set_copy_data_callback(copy_what_counts);
   } catch (const ringsplat::Error& e) {
     std::fprintf(stderr, "ringsplat: error: %s\n", e.what());
     std::exit(static_cast<int>(e.exit_code()));
