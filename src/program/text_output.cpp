@@ -24,6 +24,20 @@ bool is_same(const std::string& a, const std::string& b) {
   return !one.empty() && one == other;
 }
 
+/// Whether `file` is in `folder`, most of whose files have its ending: the slices of a volume.
+bool is_among(const fs::path& file, const fs::path& folder) {
+  std::error_code error;
+  if (file.empty() || !fs::is_directory(folder, error) ||
+      !fs::equivalent(fs::absolute(file).parent_path(), folder, error))
+    return false;
+  int alike = 0, files = 0;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    alike += entry.path().extension() == file.extension();
+    ++files;
+  }
+  return alike > files / 2;
+}
+
 }  // namespace
 
 bool is_stdout(const std::string& file) { return file == "-"; }
@@ -56,11 +70,17 @@ void refuse_clashes(const std::vector<NamedFile>& outputs, const std::vector<Nam
       if (is_same(output.file, outputs[other].file))
         throw InputError(fmt::format("{} and {} name the same file", outputs[other].option, output.option),
                          "give each a file of its own");
-    for (const NamedFile& input : inputs)
-      if (!is_stdout(input.file) && is_same(output.file, input.file))
+    for (const NamedFile& input : inputs) {
+      if (is_stdout(input.file)) continue;
+      if (is_same(output.file, input.file))
         throw InputError(
             fmt::format("{} {} would replace {}, which is read", output.option, output.file, input.option),
             "write into another file");
+      if (is_among(output.file, input.file))
+        throw InputError(fmt::format("{} {} would lie among the slices of {}, {}", output.option, output.file,
+                                     input.option, input.file),
+                         "write into another folder");
+    }
   }
 }
 

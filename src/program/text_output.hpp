@@ -26,7 +26,7 @@ struct NamedFile {
 };
 
 /// Throws InputError when two outputs are the same file (under any names) or both standard output, or when an
-/// output would replace an input.
+/// output would replace an input or lie among the slices of one.
 void refuse_clashes(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs);
 
 /// Turns every minus zero into zero.

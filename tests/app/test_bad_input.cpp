@@ -46,6 +46,8 @@ class Inputs {
     }());
     write_text(folder_ / "letter.txt", "Dear reader,\n");
     fs::create_directory(folder_ / "empty_folder");
+    fs::create_directory(folder_ / "stack");
+    for (const char* name : {"stack/0.png", "stack/1.png"}) write_text(folder_ / name, "not to be replaced");
     const auto sparse = folder_ / "sparse_16000x12500x5000_uint8.raw";
     write_text(sparse, "");
     fs::resize_file(sparse, std::uintmax_t{1'000'000'000'000});
@@ -167,6 +169,7 @@ const std::vector<Case> contradictions{
     {{"+", "--stats", "{out}/./x.png"}, "same file"},
     {{"+", "--trace", "{in}/good.nrrd"}, "would replace the volume"},
     {{"+", "--tf", "{in}/good.json", "--tf-out", "{in}/good.json"}, "would replace --tf"},
+    {{"render", "{in}/stack", "-o", "{in}/stack/1.png"}, "among the slices of the volume"},
     {{"+", "--config", "{in}/contradiction.toml", "--path", "{in}/bad_path.csv"}, "--orbit and --path"},
     {{"+", "--dims", "4x4x4"}, "only --spacing"},
 };
