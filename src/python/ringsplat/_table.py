@@ -57,41 +57,24 @@ def options_for(session: bool) -> list[Option]:
     return [o for o in OPTIONS.values() if o.name not in _ARGUMENTS and (o.session or not session)]
 
 
-def signature_of(function: Any, session: bool) -> inspect.Signature:
-    """The function's signature with all options in place of **options."""
-    signature = inspect.signature(function)
-    own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
-    more = [
-        inspect.Parameter(o.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=o.annotation)
-        for o in options_for(session)
-    ]
-    return signature.replace(parameters=own + more)
-
-
-def describe(session: bool) -> str:
-    """All options below the command line's headings, for a docstring."""
+def document(function: Any, session: bool) -> None:
+    """Adds all options to a function's docstring, below the command line's headings, and to its signature in place of
+    **options."""
     groups: dict[str, list[str]] = {}
     for option in options_for(session):
         default = f" [{option.default}]" if option.default else ""
         groups.setdefault(option.group, []).append(
             f"    {option.name} : {option.annotation}{default}\n        {option.help}."
         )
-    return "\n\n".join(f"{group}\n" + "\n".join(lines) for group, lines in groups.items())
-
-
-def document(function: Any, session: bool) -> None:
-    """Adds all options to a function's docstring, and to its signature in place of **options."""
-    function.__doc__ = inspect.cleandoc(function.__doc__) + "\n\n" + describe(session) + "\n"
-    function.__signature__ = signature_of(function, session)
-
-
-def _refuse_unknown(name: str, session: bool) -> None:
-    known = [option.name for option in options_for(session)]
-    if name in known:
-        return
-    hint = _core.likely_option(name, known) or "help(ringsplat.render) lists the options"
-    what = "a session's picture" if session else "a picture"
-    raise TypeError(f"{name} is no option of {what}; {hint}")
+    described = "\n\n".join(f"{group}\n" + "\n".join(lines) for group, lines in groups.items())
+    function.__doc__ = inspect.cleandoc(function.__doc__) + "\n\n" + described + "\n"
+    signature = inspect.signature(function)
+    own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
+    more = [
+        inspect.Parameter(o.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=o.annotation)
+        for o in options_for(session)
+    ]
+    function.__signature__ = signature.replace(parameters=own + more)
 
 
 def _views_of(options: dict[str, Any]) -> tuple[dict[str, Any], list[list[float | None]] | None]:
@@ -135,12 +118,10 @@ def _with_tf_file(options: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
     if tf is None or isinstance(tf, (str, os.PathLike)):
         yield options
         return
-    content = json.dumps(_paraview(tf))
-    with tempfile.TemporaryDirectory(prefix="ringsplat-") as folder:
-        path = os.path.join(folder, "tf.json")
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(content)
-        yield {**options, "tf": path}
+    with tempfile.NamedTemporaryFile("w", prefix="ringsplat-", suffix=".json") as file:
+        json.dump(_paraview(tf), file)
+        file.flush()
+        yield {**options, "tf": file.name}
 
 
 def _words(options: dict[str, Any]) -> list[str]:
@@ -162,8 +143,12 @@ def _words(options: dict[str, Any]) -> list[str]:
 def command_line(options: Mapping[str, Any], session: bool = False) -> Iterator[tuple[list[str], Any]]:
     """Words of a command line that say the same as the options, and the views (None: one). TypeError for an unknown
     option or a value of another type."""
+    known = [option.name for option in options_for(session)]
     for name in options:
-        _refuse_unknown(name, session)
+        if name not in known:
+            hint = _core.likely_option(name, known) or "help(ringsplat.render) lists the options"
+            what = "a session's picture" if session else "a picture"
+            raise TypeError(f"{name} is no option of {what}; {hint}")
     with _with_tf_file(options) as plain:
         one, views = _views_of({name: value for name, value in plain.items() if value is not None})
         yield _words(one), views

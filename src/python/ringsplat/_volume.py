@@ -200,10 +200,6 @@ def _from_xarray(data: Any, spacing: Any) -> Volume:
     )
 
 
-def _is_xarray(volume: Any) -> bool:
-    return hasattr(volume, "dims") and hasattr(volume, "coords") and hasattr(volume, "attrs")
-
-
 def volume_of(volume: Any, spacing: Any, origin: Any, direction: Any, unit: Any) -> Volume:
     """Throws InputError and TypeError for what is no volume."""
     if isinstance(volume, (str, os.PathLike)):
@@ -214,7 +210,7 @@ def volume_of(volume: Any, spacing: Any, origin: Any, direction: Any, unit: Any)
             raise InputError("the path has a NUL character; hint: check it")
         words = [] if spacing is None else ["--spacing=" + "x".join(repr(one) for one in three(spacing, "spacing"))]
         return Volume(os.fspath(volume), words=words)
-    if _is_xarray(volume):
+    if all(hasattr(volume, name) for name in ("dims", "coords", "attrs")):  # xarray's
         if not hasattr(volume, "values") or callable(volume.values):
             raise TypeError("a Dataset has several arrays; hint: take one of them, as in dataset['temperature']")
         made = _from_xarray(volume, spacing)
