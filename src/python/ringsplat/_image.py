@@ -13,8 +13,6 @@ from . import _core
 Error = _core.MeasuredError
 Error.__module__ = "ringsplat"
 
-Measure = Callable[[Any, str, int, int], Error]
-
 
 class Image:
     """A picture of a volume.
@@ -24,7 +22,7 @@ class Image:
     annotations that were asked for: those are in srgb(), in files and in notebooks.
     """
 
-    def __init__(self, picture: Any, measure: Optional[Measure]) -> None:
+    def __init__(self, picture: Any, measure: Optional[Callable[[Any, str, int, int], Error]]) -> None:
         self._picture = picture
         self._measure = measure
 

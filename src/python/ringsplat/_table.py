@@ -17,8 +17,6 @@ from ._forms import annotation_of, words_of
 
 # Several of them make several pictures.
 ANGLES = ("azimuth", "elevation", "roll", "zoom")
-# Arguments of their own in Python.
-_ARGUMENTS = ("spacing",)
 
 
 @dataclass(frozen=True)
@@ -41,20 +39,15 @@ class Option:
         return f"{one} | Sequence[float]" if self.name in ANGLES else one
 
 
-def _read() -> dict[str, Option]:
-    options = {}
-    for entry in json.loads(_core.picture_options_json()):
-        name = entry["name"].replace("-", "_")
-        options[name] = Option(**{**entry, "name": name})
-    return options
-
-
-OPTIONS = _read()
+OPTIONS: dict[str, Option] = {}
+for _entry in json.loads(_core.picture_options_json()):
+    _name = _entry["name"].replace("-", "_")
+    OPTIONS[_name] = Option(**{**_entry, "name": _name})
 
 
 def options_for(session: bool) -> list[Option]:
-    """Those that a picture of a volume, or of a session, has."""
-    return [o for o in OPTIONS.values() if o.name not in _ARGUMENTS and (o.session or not session)]
+    """Those that a picture of a volume, or of a session, has; spacing is an argument of its own in Python."""
+    return [o for o in OPTIONS.values() if o.name != "spacing" and (o.session or not session)]
 
 
 def document(function: Any, session: bool) -> None:
