@@ -18,6 +18,13 @@
 #define RINGSPLAT_LANES_PAIRS (HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2)
 #define RINGSPLAT_LANES_PATCHES (HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3)
 
+// Inlined into one function, painters with emulated vectors take minutes to compile. Highway compiles these
+// last.
+#if HWY_TARGET == HWY_EMU128
+#undef HWY_INLINE
+#define HWY_INLINE inline
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
