@@ -36,9 +36,9 @@ def python(driver, *options, name, interpreter=sys.executable, missing=""):
     return Program(name, [interpreter, DRIVERS / driver], options, missing)
 
 
-def paraview(mode, name):
+def paraview(name, ranks):
     ready = shutil.which("pvbatch") and shutil.which("Xvfb")
-    return Program(name, on_ranks(2, "pvbatch", "--sym", DRIVERS / "paraview_view.py"), (mode,), "" if ready else DEBIAN)
+    return Program(name, on_ranks(ranks, "pvbatch", "--sym", DRIVERS / "paraview_view.py"), missing="" if ready else DEBIAN)
 
 
 def all_programs():
@@ -46,11 +46,12 @@ def all_programs():
     return [
         python("ringsplat.py", "--quality", "best", name="Ringsplat best"),
         python("ringsplat.py", "--quality", "paper", name="Ringsplat paper"),
-        python("vtk_casters.py", "fixed", name="VTK fixed-point", **wheels),
-        python("vtk_casters.py", "gpu", name="VTK GPU", **wheels),
+        python("vtk_casters.py", "fixed", 2, name="VTK fixed-point", **wheels),
+        python("vtk_casters.py", "gpu", 2, name="VTK GPU", **wheels),
+        python("vtk_casters.py", "gpu", 10, name="VTK GPU fine", **wheels),
         python("yt_caster.py", name="yt", **wheels),
-        paraview("cast", "ParaView cast"),
-        paraview("smart", "ParaView smart"),
+        paraview("ParaView 1 rank", 1),
+        paraview("ParaView 2 ranks", 2),
     ]
 
 

@@ -1,5 +1,5 @@
-"""ParaView on any number of ranks:  mpirun -n 2 pvbatch --sym paraview_view.py SCENE PICTURE cast|smart. It mixes the numbers it is given, here
-linear ones, in 8 bits a channel, and keeps no opacity. `smart` is its default, here on a rasteriser in software."""
+"""ParaView on any number of ranks:  mpirun -n 2 pvbatch --sym paraview_view.py SCENE PICTURE. It mixes the numbers it is given, here linear ones,
+in 8 bits a channel, and keeps no opacity. Its default is the GPU ray caster, here on a rasteriser in software."""
 import os
 import sys
 
@@ -28,7 +28,7 @@ GetColorTransferFunction("value").RGBPoints = [float(x) for point in scene.colou
 GetColorTransferFunction("value").ColorSpace = "RGB"
 GetOpacityTransferFunction("value").Points = [x for point in scene.opacities for x in (*point, 0.5, 0)]
 shown.ScalarOpacityUnitDistance = scene.unit
-shown.VolumeRenderingMode = {"cast": "Ray Cast Only", "smart": "Smart"}[sys.argv[3]]
+shown.VolumeRenderingMode = "Smart"
 shown.Shade = 0
 Render(view)  # moves the camera
 view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = (list(v) for v in (scene.eye, scene.target, scene.up))

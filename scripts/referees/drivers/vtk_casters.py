@@ -1,4 +1,5 @@
-"""VTK's ray casters:  vtk_casters.py SCENE PICTURE fixed|gpu. It mixes the numbers it is given, here linear ones, in 8 bits a channel."""
+"""VTK's ray casters:  vtk_casters.py SCENE PICTURE fixed|gpu SAMPLES_A_VOXEL. It mixes the numbers it is given, here linear ones, in 8 bits a
+channel."""
 import sys
 
 import numpy
@@ -12,7 +13,7 @@ image.GetPointData().SetScalars(numpy_to_vtk(scene.voxels.ravel(), deep=True))
 mapper = vtk.vtkFixedPointVolumeRayCastMapper() if sys.argv[3] == "fixed" else vtk.vtkGPUVolumeRayCastMapper()
 mapper.SetInputData(image)
 mapper.SetAutoAdjustSampleDistances(False)
-mapper.SetSampleDistance(scene.unit / 2)
+mapper.SetSampleDistance(scene.unit / float(sys.argv[4]))
 mapper.SetImageSampleDistance(1)  # a ray a pixel
 look = vtk.vtkVolumeProperty(shade=False, interpolation_type=vtk.VTK_LINEAR_INTERPOLATION, scalar_opacity_unit_distance=scene.unit)
 opacity, colours = vtk.vtkPiecewiseFunction(), vtk.vtkColorTransferFunction()
