@@ -40,12 +40,13 @@ bool leave_outliers(const TransferFunction& tf, double& low, double& high) {
   return cut;
 }
 
-/// Ends are rounded as the planes' numbers are, so that what lies in an interval does so after rounding. A
-/// place counts as transparent up to and with `visible_low`, so an end that is visible lies beyond it.
+/// Where planes' numbers are rounded the ends are, too, so that what lies in an interval does so after
+/// rounding. A place counts as transparent up to and with `visible_low`, so an end that is visible lies
+/// beyond it.
 void set_transparent(PlaceMap& map, const TransparentValues& transparent, const ValueScale& scale) {
   const auto place = [&](double value) {
     const double number = scale.code.of(std::clamp(value, scale.low, scale.high));
-    return place_of_number(map, float(scale.code.floats ? number : double(std::lround(number))));
+    return place_of_number(map, float(scale.code.rounds() ? std::round(number) : number));
   };
   constexpr float before_all = no_place, after_all = -no_place;
   map.visible_low = before_all;

@@ -109,7 +109,7 @@ PlaneCode PlaneCode::choose(ScalarType type, double low, double high, bool round
   const bool whole_numbers = type != ScalarType::float32 && type != ScalarType::float64;
   if (whole_numbers) {
     const double most = most_whole(pieces);
-    if (high - low <= most) return {.offset = low};
+    if (high - std::floor(low) <= most) return {.offset = std::floor(low)};
     if (rounded) return {.offset = low, .scale = most / (high - low)};
   }
   // Powers of two change no digit. Only doubles need them.

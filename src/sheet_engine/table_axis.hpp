@@ -47,6 +47,8 @@ struct PlaneCode {
   double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
   bool bounded() const { return std::isfinite(least) || std::isfinite(most); }
   double finite(double value) const;
+  /// Whether a voxel's number is not its value's.
+  bool rounds() const { return !floats && scale != 1; }
   double of(double value) const { return (finite(value) - offset) * scale; }
   bool operator==(const PlaneCode&) const = default;
 

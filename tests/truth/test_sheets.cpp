@@ -418,6 +418,23 @@ TEST_CASE("values exactly at a jump have the opacity behind it") {
   }
 }
 
+TEST_CASE("a jump between two whole numbers is not moved to one of them") {
+  const auto ball = [](ScalarType type) {
+    return make_volume(glm::ivec3(32), type, [](int x, int y, int z) {
+      return std::round(std::max(0.0, 127 - 8 * glm::distance({x, y, z}, glm::dvec3(15.5))));
+    });
+  };
+  for (const double from : {63.3, 63.6}) {
+    const FrameSpec spec = sheets_spec(constant_opacity(0.5, from), Shading::none);
+    const double of_floats = field_error(ball(ScalarType::float32), spec);
+    for (const auto type : {ScalarType::int8, ScalarType::uint16}) {
+      const double error = field_error(ball(type), spec);
+      UNSCOPED_INFO(fmt::format("from {}: {:.3f}, of floats {:.3f}", from, error, of_floats));
+      CHECK(error < 1.2 * of_floats);
+    }
+  }
+}
+
 TEST_CASE("far and near, a voxel may be a tenth of a pixel or a hundred") {
   const Volume volume = make_volume({40, 41, 42}, ScalarType::uint8, [](int x, int y, int z) {
     return 120 + 100 * std::sin(0.3 * x) * std::cos(0.25 * y) * std::sin(0.2 * z);
