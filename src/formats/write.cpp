@@ -26,16 +26,17 @@ constexpr bool native_is_big = std::endian::native == std::endian::big;
 std::string nrrd_vector(const glm::dvec3& v) { return fmt::format("({},{},{})", v.x, v.y, v.z); }
 
 /// The NRRD0004 header up to the empty line before attached data.
-std::string nrrd_header(const Grid& grid, bool gzip, const std::string& data_file) {
+std::string nrrd_header(const Grid& grid, World world, bool gzip, const std::string& data_file) {
   const auto axis = [&](int i) { return nrrd_vector(grid.direction[i] * grid.spacing[i]); };
   std::string text = fmt::format(
-      "NRRD0004\ntype: {}\ndimension: 3\nspace: left-posterior-superior\nsizes: {} {} {}\n"
+      "NRRD0004\ntype: {}\ndimension: 3\nspace{}\nsizes: {} {} {}\n"
       "space directions: {} {} {}\nkinds: domain domain domain\nendian: {}\nencoding: {}\nspace origin: {}\n",
       grid.type == ScalarType::float32   ? "float"
       : grid.type == ScalarType::float64 ? "double"
                                          : to_string(grid.type),
-      grid.dims.x, grid.dims.y, grid.dims.z, axis(0), axis(1), axis(2), native_is_big ? "big" : "little",
-      gzip ? "gzip" : "raw", nrrd_vector(grid.origin));
+      world == World::patient ? ": left-posterior-superior" : " dimension: 3", grid.dims.x, grid.dims.y,
+      grid.dims.z, axis(0), axis(1), axis(2), native_is_big ? "big" : "little", gzip ? "gzip" : "raw",
+      nrrd_vector(grid.origin));
   return data_file.empty() ? text + "\n" : text + "data file: " + data_file + "\n";
 }
 
@@ -96,9 +97,9 @@ OutputFile begin(const std::filesystem::path& path) {
   return OutputFile(path);
 }
 
-void write_attached(VolumeSource& source, const std::filesystem::path& path, bool compress) {
+void write_attached(VolumeSource& source, const std::filesystem::path& path, bool compress, World world) {
   OutputFile file = begin(path);
-  file.write(nrrd_header(source.grid(), compress, {}));
+  file.write(nrrd_header(source.grid(), world, compress, {}));
   if (compress)
     write_compressed(source, file);
   else
@@ -108,12 +109,12 @@ void write_attached(VolumeSource& source, const std::filesystem::path& path, boo
 
 /// Both are on the disk before either gets its name. The voxels get theirs first, so a header is never seen
 /// without them.
-void write_detached(VolumeSource& source, const std::filesystem::path& path, bool meta) {
+void write_detached(VolumeSource& source, const std::filesystem::path& path, bool meta, World world) {
   auto data_path = path;
   data_path.replace_extension(".raw");
   const auto name = data_path.filename().string();
   OutputFile header = begin(path), data = begin(data_path);
-  header.write(meta ? meta_header(source.grid(), name) : nrrd_header(source.grid(), false, name));
+  header.write(meta ? meta_header(source.grid(), name) : nrrd_header(source.grid(), world, false, name));
   write_voxels(source, data);
   header.secure();
   data.secure();
@@ -137,10 +138,12 @@ std::filesystem::path raw_path(const Grid& grid, const std::filesystem::path& pa
 
 }  // namespace
 
-std::filesystem::path write_volume(VolumeSource& source, const std::filesystem::path& path, bool compress) {
+std::filesystem::path write_volume(VolumeSource& source, const std::filesystem::path& path, bool compress,
+                                   World world) {
   const std::string ending = detail::lower_case(path.extension().string());
-  if (ending == ".nrrd") return write_attached(source, path, compress), path;
-  if (ending == ".nhdr" || ending == ".mhd") return write_detached(source, path, ending == ".mhd"), path;
+  if (ending == ".nrrd") return write_attached(source, path, compress, world), path;
+  if (ending == ".nhdr" || ending == ".mhd")
+    return write_detached(source, path, ending == ".mhd", world), path;
   if (ending != ".raw")
     throw InputError(fmt::format("cannot write {}: unknown ending '{}'", path.string(), ending),
                      "use .nrrd, .nhdr, .mhd or .raw");

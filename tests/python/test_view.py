@@ -82,12 +82,13 @@ def test_the_viewer_ends_with_python_and_leaves_no_file(tmp_path):
 
 
 def test_the_viewer_reads_the_array_as_it_lies_in_the_world(tmp_path):
-    from ringsplat._view import _write_nrrd
+    from ringsplat import _core
     from ringsplat._volume import volume_of
 
     array = blob((8, 9, 10), "int16")[:, ::-1]
     place = dict(spacing=(1, 2, 3), origin=(4, 5, 6), direction=[[0, -1, 0], [1, 0, 0], [0, 0, 1]])
-    _write_nrrd(volume_of(array, place["spacing"], place["origin"], place["direction"], None), tmp_path / "a.nrrd")
+    volume = volume_of(array, place["spacing"], place["origin"], place["direction"], None)
+    _core.write_volume(volume.core(), str(tmp_path / "a.nrrd"))
     assert np.array_equal(
         np.asarray(rs.render(tmp_path / "a.nrrd", size=40)), np.asarray(rs.render(array, size=40, **place))
     )

@@ -14,6 +14,7 @@
 #include "base/log.hpp"
 #include "classify/auto_preset.hpp"
 #include "classify/colour_maps.hpp"
+#include "formats/write.hpp"
 #include "images/image_io.hpp"
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
@@ -318,6 +319,11 @@ NB_MODULE(_core, m) {
         new (self) ArrayVolume{grid_of(dims, type, spacing, origin, direction), at_address(address),
                                strides_of(strides), notes_of(unit, quantity)};
       });
+  m.def("write_volume", [](const ArrayVolume& volume, const std::string& path) {
+    ArraySource source(volume);
+    const nb::gil_scoped_release without;
+    write_volume(source, path, false, volume.notes.world);
+  });
   bind_pictures(m);
   bind_session(m);
   m.def("render", &render, nb::arg("words"), nb::arg("views"), nb::arg("array").none(), nb::arg("name"),

@@ -12,39 +12,13 @@ import threading
 import weakref
 from typing import IO, Any, Sequence
 
-import numpy as np
-
 from . import _core
 from ._core import InputError, RunError
 from ._table import command_line
-from ._volume import Volume, volume_of
+from ._volume import volume_of
 
 # Pages of this machine, such as Jupyter's. The page's token keeps others out.
 LOCAL_PAGES = ("http://localhost:*", "http://127.0.0.1:*", "https://localhost:*", "https://127.0.0.1:*")
-
-
-def _write_nrrd(volume: Volume, path: str) -> None:
-    """An array with its place in the world, so that the viewer's process reads the same volume."""
-    array = volume.array
-    assert array is not None
-    matrix = np.reshape(volume.direction, (3, 3)) * np.asarray(volume.spacing)
-    vectors = " ".join("(" + ",".join(repr(float(one)) for one in matrix[:, k]) + ")" for k in range(3))
-    types = {"float32": "float", "float64": "double"}
-    header = [
-        "NRRD0004",
-        f"type: {types.get(array.dtype.name, array.dtype.name)}",
-        "dimension: 3",
-        "space dimension: 3",
-        "sizes: " + " ".join(str(size) for size in array.shape[::-1]),
-        f"space directions: {vectors}",
-        "space origin: (" + ",".join(repr(float(one)) for one in volume.origin) + ")",
-        f"endian: {sys.byteorder}",
-        "encoding: raw",
-    ]
-    with open(path, "wb") as file:
-        file.write(("\n".join(header) + "\n\n").encode())
-        for plane in array:
-            file.write(np.ascontiguousarray(plane).data)
 
 
 def _end(process: subprocess.Popen, folder: str) -> None:
@@ -154,7 +128,7 @@ def view(
         path = source.name
         if source.array is not None:
             path = os.path.join(folder, "array.nrrd")
-            _write_nrrd(source, path)
+            _core.write_volume(source.core(), path)
         with command_line(options) as (words, _):
             frames = [f"--allow-frame={one}" for one in frame_origins]
             return View(["serve", path, f"--port={port}", *frames, *source.words, *words], folder, width, height)
