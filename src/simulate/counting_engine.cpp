@@ -16,6 +16,7 @@
 #include "protocol/engine_decorator.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"
+#include "sheet_engine/kept_blocks.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 #include "simulate/counted_payload.hpp"
@@ -197,10 +198,13 @@ class MeasuringEncoder final : public EncoderDecorator {
   }
   EncodedStep finish() override {
     EncodedStep step = inner_->finish();
-    const std::vector<PaintWork> work = meter_(step_, step.parts);
-    for (std::size_t r = 0; r < step.parts.size(); ++r)
-      if (Bytes& payload = step.parts[r].payload; !payload.empty())
-        payload = measured_payload({Message::body_size(payload), work[r]});
+    const std::vector<MeteredWork> work = meter_(step_, step.parts);
+    for (std::size_t r = 0; r < step.parts.size(); ++r) {
+      EncodedPart& part = step.parts[r];
+      if (part.payload.empty()) continue;
+      part.payload = measured_payload({Message::body_size(part.payload), work[r]});
+      part.items -= work[r].kept;
+    }
     return step;
   }
 
@@ -216,7 +220,11 @@ class MeasuredParts {
   using Frame = FrameType;
   using Kept = KeptType;
   explicit MeasuredParts(const EngineSetup& setup, double voxel_weight)
-      : setup_(setup), dealer_(setup), threads_(setup.threads), voxel_weight_(voxel_weight) {}
+      : setup_(setup),
+        dealer_(setup),
+        threads_(setup.threads),
+        voxel_weight_(voxel_weight),
+        kept_(setup.slices->gp(), setup.gps, setup.renderers, setup.kept_bytes) {}
 
   std::shared_ptr<const Frame> frame(const FrameSpec& spec) {
     if constexpr (std::is_same_v<Frame, SplatFrame>)
@@ -233,8 +241,9 @@ class MeasuredParts {
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SheetFrame> frame, SliceBlocks& blocks) {
     if (voxel_weight_ > 1)
       return make_weighed_encoder(std::move(frame), setup_.renderers, *setup_.slices, voxel_weight_);
-    return make_measuring_encoder(make_sheet_encoder(frame, setup_.renderers, *setup_.slices, blocks, false),
-                                  make_sheet_meter(frame));
+    return make_measuring_encoder(
+        make_sheet_encoder(frame, setup_.renderers, *setup_.slices, blocks, false, &kept_),
+        make_sheet_meter(frame));
   }
   /// Nobody draws measured payloads.
   std::unique_ptr<FramePainter<Frame>> painter(int) { return nullptr; }
@@ -244,6 +253,7 @@ class MeasuredParts {
   RegionDealer dealer_;
   ThreadTeam threads_;
   double voxel_weight_;
+  KeptBlocks kept_;  ///< where voxels stand for themselves
 };
 
 template <class Frame, class Kept>

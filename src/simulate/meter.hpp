@@ -26,9 +26,14 @@ struct PaintWork {
   std::uint64_t blocks = 0, samples = 0;
 };
 
+/// With blocks that a Renderer keeps from earlier frames; these are looked at only.
+struct MeteredWork : PaintWork {
+  std::uint64_t kept = 0;
+};
+
 /// Counts what a slice's payloads will take Painters, in the units of the engine that made them, by Renderer.
 /// `parts`: what an encoder that knows of no opaque pixels made of the slice of `step`.
-using Meter = std::function<std::vector<PaintWork>(int step, const std::vector<EncodedPart>& parts)>;
+using Meter = std::function<std::vector<MeteredWork>(int step, const std::vector<EncodedPart>& parts)>;
 
 /// Of splats, the pixels that are composited: as whole windows of kernels, so a few more than are. Each voxel
 /// stands for `voxel_weight` of its slice.
@@ -43,7 +48,7 @@ struct MeasuredPayload {
 };
 Bytes measured_payload(const MeasuredPayload& payload);
 
-/// An encoder whose payloads are measured ones of `inner`'s.
+/// An encoder whose payloads are measured ones of `inner`'s, and whose items come with voxels.
 std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner, Meter meter);
 
 /// A GP's encoder for a frame of sheets that is only counted, of a volume whose slices have `voxel_weight`

@@ -70,33 +70,35 @@ class SheetMeter {
   explicit SheetMeter(std::shared_ptr<const SheetFrame> frame)
       : frame_(std::move(frame)), samples_(*frame_) {}
 
-  std::vector<PaintWork> operator()(int step, const std::vector<EncodedPart>& parts) {
-    std::vector<PaintWork> work(parts.size());
+  std::vector<MeteredWork> operator()(int step, const std::vector<EncodedPart>& parts) {
+    std::vector<MeteredWork> work(parts.size());
     samples_.begin(step);
     for (std::size_t r = 0; r < parts.size(); ++r)
       if (!parts[r].payload.empty())
-        work[r].blocks = look_at(std::span<const std::byte>(parts[r].payload).subspan(sizeof(Header)));
+        work[r] = look_at(std::span<const std::byte>(parts[r].payload).subspan(sizeof(Header)));
     const auto samples = samples_.samples(parts.size());
     for (std::size_t r = 0; r < parts.size(); ++r) work[r].samples = samples[r];
     return work;
   }
 
  private:
-  /// Returns how many blocks the payload has a byte for.
-  std::uint64_t look_at(std::span<const std::byte> body) {
+  /// The blocks that the payload has a byte for.
+  MeteredWork look_at(std::span<const std::byte> body) {
     const Grid& grid = frame_->geometry.grid;
     const Axis axis = frame_->geometry.traversal.axis;
     const SheetPayload payload =
         read_sheet_payload(body, grid.slice_width(axis), grid.slice_height(axis), grid.type);
-    std::uint64_t blocks = 0;
+    MeteredWork work;
     for (std::size_t row = 0; row < payload.rows.size(); ++row) {
       const auto [first, end] = payload.rows[row];
-      blocks += std::uint64_t(end - first);
-      for (int column = first; column < end; ++column)
-        if ((payload.bytes[row][column - first] & cells_visible) != 0)
-          samples_.add(column, payload.header.first_row + int(row));
+      work.blocks += std::uint64_t(end - first);
+      for (int column = first; column < end; ++column) {
+        const std::uint8_t said = payload.bytes[row][column - first];
+        if ((said & cells_visible) != 0) samples_.add(column, payload.header.first_row + int(row));
+        if (said >= block_present && (said & block_kept) != 0) ++work.kept;
+      }
     }
-    return blocks;
+    return work;
   }
 
   std::shared_ptr<const SheetFrame> frame_;

@@ -80,8 +80,8 @@ class SplatMeter {
              geometry().grid.slice_width(geometry().traversal.axis)),
         pixels_(runs_in(geometry().regions)) {}
 
-  std::vector<PaintWork> operator()(int step, const std::vector<EncodedPart>& parts) {
-    std::vector<PaintWork> work(parts.size());
+  std::vector<MeteredWork> operator()(int step, const std::vector<EncodedPart>& parts) {
+    std::vector<MeteredWork> work(parts.size());
     slice_ = geometry().traversal.slice_at(step, geometry().slices);
     for (std::size_t r = 0; r < parts.size(); ++r) {
       if (parts[r].payload.empty()) continue;

@@ -35,3 +35,35 @@ TEST_CASE("a run that only counts sends as much as one that draws, by both engin
       if (sheets) CHECK(counted.samples == drawn.samples);
     }
 }
+
+TEST_CASE("a run that only counts sends what Renderers keep once, and counts the rest as one that draws") {
+  const Grid grid = make_grid({48, 48, 48});
+  const auto frames_of = [&](bool count) {
+    SoloCollectives solo;
+    const Wiring wiring{solo, nullptr, {}};
+    OpenedVolume volume{grid, true, synth_source("jack", grid)};
+    std::vector<FrameSpec> turning;
+    for (const double azimuth : {20, 26}) {
+      turning.push_back(oblique_view(64, 56, 0));
+      turning.back().shown.camera = {.azimuth = azimuth, .elevation = 21};
+      turning.back().shown.opaque_threshold = 0;
+      turning.back().how = Sheets{};
+    }
+    std::vector<NodeStats> totals;
+    EngineOptions engine;
+    engine.keep = 64;
+    if (count) simulate({.count_only = true}, engine);
+    render_frames(load_scene(volume, needed_to_render(turning.front(), grid), {3, 2}, wiring), {3, 2}, {},
+                  director_of(turning, [&](FrameResult&& r) { totals.push_back(r.stats.total()); }), wiring,
+                  engine);
+    return totals;
+  };
+  const auto drawn = frames_of(false), counted = frames_of(true);
+  REQUIRE(counted.size() == 2);
+  for (const int frame : {0, 1}) {
+    CHECK(counted[frame].payload_bytes_received == drawn[frame].payload_bytes_received);
+    CHECK(counted[frame].samples == drawn[frame].samples);
+  }
+  CHECK(counted[0].splats_sent == drawn[0].splats_sent);
+  CHECK(10 * counted[1].splats_sent < drawn[1].splats_sent);
+}
