@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <numeric>
@@ -13,6 +14,8 @@
 #include <vector>
 
 #include "base/process.hpp"
+#include "frame/frame_geometry.hpp"
+#include "frame/quality.hpp"
 #include "images/image_io.hpp"
 #include "net/launcher.hpp"
 #include "ringsplat/base/error.hpp"
@@ -20,6 +23,7 @@
 #include "simulate/charge.hpp"
 #include "sort_last/icet_communicator.hpp"
 #include "sort_last/section_painter.hpp"
+#include "volume/cell_ranges.hpp"
 
 namespace ringsplat::sort_last {
 namespace {
@@ -28,6 +32,7 @@ struct Options {
   std::string volume, transfer_function, output, strategy = "radixk", machine;
   int size = 512, region = 0, frames = 1;
   bool even = false;
+  double turn = 0;
   double voxel_weight = 1;
   int pixel_weight = 1;
   double blend_seconds_per_byte = 0, compress_seconds_per_pixel = 0;
@@ -38,7 +43,7 @@ struct Options {
 Options options_of(int argc, char** argv) {
   Options o;
   Shown& shown = o.spec.shown;
-  std::string shading = "phong";
+  std::string shading = "phong", engine = Splats::name;
   Splats splats;
   CLI::App app("Draws sections of slices on all ranks and composites them with IceT");
   app.add_option("volume", o.volume)->required();
@@ -49,6 +54,9 @@ Options options_of(int argc, char** argv) {
   app.add_option("--azimuth", shown.camera.azimuth);
   app.add_option("--elevation", shown.camera.elevation);
   app.add_option("--zoom", shown.camera.zoom);
+  app.add_option("--fov", shown.camera.fov, "degrees, in perspective");
+  app.add_option("--turn", o.turn, "degrees of azimuth from frame to frame");
+  app.add_option("--engine", engine)->check(CLI::IsMember({Splats::name, Sheets::name}));
   app.add_option("--shading", shading)->check(CLI::IsMember({"phong", "none"}));
   app.add_option("--radius", splats.kernel_radius);
   app.add_option("--strategy", o.strategy)->check(CLI::IsMember({"bswap", "radixk", "tree"}));
@@ -70,7 +78,10 @@ Options options_of(int argc, char** argv) {
   shown.transfer_function = read_transfer_function(o.transfer_function);
   // Runs that only count leave out nothing behind opaque pixels, and this one is compared with them.
   if (!o.machine.empty()) shown.opaque_threshold = 0;
-  o.spec.how = splats;
+  if (engine == Splats::name)
+    o.spec.how = splats;
+  else
+    o.spec.how = sheets_of(Quality::best);
   o.spec.division.region_size = o.region;
   check(o.spec);
   return o;
@@ -104,7 +115,7 @@ void set_order(bool ascending, int ranks) {
 /// A frame's seconds and what passed, on one rank.
 struct Frame {
   double seconds = 0, painting = 0, compositing = 0, blending = 0, compressing = 0;
-  double splats = 0, pixels = 0, messages = 0, bytes = 0;
+  double items = 0, pixels = 0, messages = 0, bytes = 0;
 };
 
 double icet_seconds(IceTEnum what) {
@@ -138,13 +149,17 @@ class Race {
     RawDescription raw;
     if (o.spacing.size() == 3) raw.spacing = glm::dvec3(o.spacing[0], o.spacing[1], o.spacing[2]);
     source_ = open_volume(o.volume, raw);
-    const bool ascending = make_geometry(o.spec, source_->grid()).traversal.ascending;
-    take_section(section_of(rank_, ranks_, source_->grid().dims.z));
+    traversal_ = make_geometry(o.spec, source_->grid()).traversal;
+    if (of_sheets())
+      find_range();
+    else
+      traversal_.axis = Axis::z;
+    take_section(section_of(rank_, ranks_, source_->grid().slices(traversal_.axis)));
     const IceTCommunicator communicator = make_icet_communicator(comm, traffic_);
     context_ = icetCreateContext(communicator);
     destroy_icet_communicator(communicator);
     prepare(o);
-    set_order(ascending, ranks_);
+    set_order(traversal_.ascending, ranks_);
     if (o.even) deal_evenly();
   }
 
@@ -158,9 +173,11 @@ class Race {
     const Drawn drawn = painter_->draw(o_.spec, picture_);
     f.painting = MPI_Wtime() - start;
     composite(drawn, f);
+    o_.spec.shown.camera.azimuth += o_.turn;
+    ++o_.spec.frame;
     f.seconds = MPI_Wtime() - start;
     f.compositing = f.seconds - f.painting;
-    f.splats = drawn.splats;
+    f.items = drawn.items;
     f.pixels = double(drawn.reached.width()) * double(drawn.reached.height());
     f.messages = double(traffic_.messages - passed.messages);
     f.bytes = double(traffic_.bytes - passed.bytes);
@@ -171,10 +188,28 @@ class Race {
   const Image& picture() const { return picture_; }
 
  private:
+  bool of_sheets() const { return std::holds_alternative<Sheets>(o_.spec.how); }
+
   void take_section(const Section& section) {
     painter_.reset();
-    painter_.emplace(*source_, section, o_.spec.shown.shading == Shading::phong, machine_, o_.voxel_weight,
-                     o_.pixel_weight);
+    const SectionSetup setup{*source_, section, machine_, o_.voxel_weight, double(o_.pixel_weight)};
+    painter_ = of_sheets() ? make_sheet_section(setup, traversal_.axis, low_, high_)
+                           : make_splat_section(setup, o_.spec.shown.shading == Shading::phong);
+  }
+
+  /// Of the whole volume's values, each rank looking at some of the z slices.
+  void find_range() {
+    const Grid& grid = source_->grid();
+    const Section part = section_of(rank_, ranks_, grid.dims.z);
+    std::vector<std::byte> slice(grid.slice_bytes(Axis::z));
+    for (int z = part.first; z < part.end; ++z) {
+      source_->read_slices(z, 1, slice);
+      const SliceRange range = slice_range({Axis::z, z, grid.dims.x, grid.dims.y, grid.type, slice.data()});
+      low_ = std::min(low_, range.low);
+      high_ = std::max(high_, range.high);
+    }
+    MPI_Allreduce(MPI_IN_PLACE, &low_, 1, MPI_DOUBLE, MPI_MIN, comm_);
+    MPI_Allreduce(MPI_IN_PLACE, &high_, 1, MPI_DOUBLE, MPI_MAX, comm_);
   }
 
   void deal_evenly() {
@@ -212,7 +247,9 @@ class Race {
   std::optional<Machine> machine_;
   Traffic traffic_;
   std::unique_ptr<VolumeSource> source_;
-  std::optional<SectionPainter> painter_;
+  Traversal traversal_;                       ///< its axis: that of the sections
+  double low_ = INFINITY, high_ = -INFINITY;  ///< of the volume's values
+  std::unique_ptr<SectionPainter> painter_;
   IceTContext context_ = nullptr;
   Image picture_;
 };
@@ -239,7 +276,7 @@ void run(int argc, char** argv, MPI_Comm comm) {
     const double compositing = most(f.compositing), blending = sum(f.blending),
                  compressing = sum(f.compressing);
     const double pixels = sum(f.pixels);
-    const double splats = sum(f.splats), messages = sum(f.messages), bytes = sum(f.bytes),
+    const double items = sum(f.items), messages = sum(f.messages), bytes = sum(f.bytes),
                  most_bytes = most(f.bytes);
     // A simulation is one process.
     const double memory = simulated() ? 0 : double(peak_memory_bytes());
@@ -250,11 +287,11 @@ void run(int argc, char** argv, MPI_Comm comm) {
           "{:.9g}, "
           "\"painting_mean\": {:.9g}, \"compositing\": {:.9g}, \"blending\": {:.9g}, \"compressing\": "
           "{:.9g}, "
-          "\"splats\": {:.0f}, \"pixels\": {:.0f}, \"messages\": {:.0f}, \"bytes\": {:.0f}, \"bytes_most\": "
+          "\"items\": {:.0f}, \"pixels\": {:.0f}, \"messages\": {:.0f}, \"bytes\": {:.0f}, \"bytes_most\": "
           "{:.0f}, "
           "\"memory_most\": {:.0f}, \"memory_sum\": {:.0f}, \"slice_memory\": {:.0f}, \"picture\": "
           "\"{:016x}\"}}\n",
-          ranks, o.strategy, o.even, seconds, painting, mean, compositing, blending, compressing, splats,
+          ranks, o.strategy, o.even, seconds, painting, mean, compositing, blending, compressing, items,
           pixels, messages, bytes, most_bytes, memory_most, memory_sum, slices, hash_of(race.picture()));
   }
   if (rank == 0) fmt::print("{}", lines);

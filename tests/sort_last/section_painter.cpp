@@ -5,11 +5,14 @@
 #include <utility>
 #include <vector>
 
+#include "base/thread_team.hpp"
+#include "classify/empty_space.hpp"
 #include "classify/normals.hpp"
 #include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
 #include "simulate/charge.hpp"
 #include "simulate/meter.hpp"
+#include "splat_engine/splat_engine.hpp"
 #include "volume/clipped.hpp"
 
 namespace ringsplat::sort_last {
@@ -48,7 +51,116 @@ SliceStore read_section(VolumeSource& source, const Section& section, bool with_
   return store;
 }
 
+class SplatSection final : public SectionPainter {
+ public:
+  SplatSection(const SectionSetup& setup, bool with_normals)
+      : setup_(setup), whole_(setup.source.grid()), painter_(make_splat_painter(0, 1, threads_)) {
+    if (section().slices() > 0) store_ = read_section(setup.source, section(), with_normals);
+  }
+
+  Drawn draw(const FrameSpec& spec, Image& picture) override {
+    const auto& machine = setup_.machine;
+    Drawn drawn;
+    drawn.costs.resize(std::size_t(whole_.dims.z));
+    if (section().slices() < 1) return drawn;
+    if (machine) charge(machine->gp.frame + machine->renderer.frame);
+    const auto frame = frame_of(spec);
+    // A described machine's costs are those of looking at every voxel.
+    const auto encoder = make_splat_encoder(frame, 1, store_, space_, threads_, !machine);
+    const Meter meter = machine ? make_splat_meter(frame) : nullptr;
+    painter_->begin_frame(frame);
+    for (const int step : encoder->shown()) {
+      encoder->begin(step);
+      while (!encoder->work()) continue;
+      const EncodedStep encoded = encoder->finish();
+      const double samples = meter ? double(meter(step, encoded.parts).front().samples) : 0;
+      const double cost = cost_of(encoded, samples);
+      if (machine) charge(cost);
+      const int slice = section().first + frame->geometry.traversal.slice_at(step, section().slices());
+      drawn.costs[std::size_t(slice)] = cost;
+      for (const EncodedPart& part : encoded.parts) {
+        if (part.payload.empty()) continue;
+        drawn.items += double(part.items);
+        painter_->begin(
+            {step, part.passes, std::span<const std::byte>(part.payload).subspan(sizeof(Header))});
+        while (!painter_->work()) continue;
+      }
+      Bytes news;
+      painter_->news(0, news);
+      if (!news.empty()) encoder->take_news(std::span<const std::byte>(news).subspan(sizeof(Header)));
+    }
+    drawn.reached = finish(*painter_, frame->geometry.regions, setup_, picture);
+    return drawn;
+  }
+
+  std::uint64_t slice_memory() const override { return store_.allocated_bytes(); }
+
+ private:
+  const Section& section() const { return setup_.section; }
+
+  std::shared_ptr<const SplatFrame> frame_of(const FrameSpec& spec) const {
+    FrameSpec part = spec;
+    part.shown.clip = box_of(whole_, section());
+    auto frame = std::make_shared<SplatFrame>(*make_splat_frame(part, whole_, 1, 1));
+    if (frame->geometry.traversal.axis != Axis::z)
+      throw InputError("the view does not traverse the z slices, of which the sections are",
+                       "look from above: --elevation 60 to 90");
+    // The store has the section only, as a volume of its own.
+    frame->geometry.box = whole_box(frame->geometry.grid);
+    return frame;
+  }
+
+  /// `samples`: pixels that its one Renderer composites.
+  double cost_of(const EncodedStep& encoded, double samples) const {
+    // Without a machine: as many as a visible voxel takes nanoseconds on one core, more or less.
+    constexpr double visible_voxel = 80, transparent_voxel = 3;
+    if (!setup_.machine)
+      return visible_voxel * double(encoded.counts.visible) +
+             transparent_voxel * double(encoded.counts.voxels);
+    const Machine& machine = *setup_.machine;
+    const double weight = setup_.voxel_weight;
+    double seconds = encoding_seconds(machine, weight * double(encoded.counts.voxels),
+                                      weight * double(encoded.counts.visible));
+    for (const EncodedPart& part : encoded.parts)
+      if (!part.payload.empty())
+        seconds +=
+            drawing_seconds(machine, weight * double(part.items), part.passes, setup_.pixel_weight * samples);
+    return seconds;
+  }
+
+  SectionSetup setup_;
+  Grid whole_;
+  SliceStore store_;
+  EmptySpace space_;
+  ThreadTeam threads_;
+  std::unique_ptr<FramePainter<SplatFrame>> painter_;
+};
+
 }  // namespace
+
+std::unique_ptr<SectionPainter> make_splat_section(const SectionSetup& setup, bool with_normals) {
+  return std::make_unique<SplatSection>(setup, with_normals);
+}
+
+PixelRect finish(Painter& painter, const Regions& regions, const SectionSetup& setup, Image& picture) {
+  PixelRect reached;
+  bool first = true;
+  painter.finish([&](int tile, const Bytes& bytes) {
+    const PixelRect rect = regions.rect(tile);
+    const std::size_t row = std::size_t(rect.width()) * 4 * sizeof(float);
+    for (int y = 0; y < rect.height(); ++y)
+      std::memcpy(picture.pixel(rect.x0, rect.y0 + y), bytes.data() + sizeof(Header) + std::size_t(y) * row,
+                  row);
+    reached = first ? rect
+                    : PixelRect{std::min(reached.x0, rect.x0), std::min(reached.y0, rect.y0),
+                                std::max(reached.x1, rect.x1), std::max(reached.y1, rect.y1)};
+    first = false;
+    if (setup.machine)
+      charge(setup.machine->renderer.pixel * setup.pixel_weight * double(rect.width()) *
+             double(rect.height()));
+  });
+  return reached;
+}
 
 Section section_of(int rank, int ranks, int slices) {
   const auto begin = [&](int k) { return int(std::int64_t(slices) * k / ranks); };
@@ -66,90 +178,6 @@ Section section_of(int rank, int ranks, const std::vector<double>& costs) {
     return int(at > 0 && share - before[std::size_t(at - 1)] < before[std::size_t(at)] - share ? at - 1 : at);
   };
   return {begin(rank), begin(rank + 1)};
-}
-
-SectionPainter::SectionPainter(VolumeSource& source, const Section& section, bool with_normals,
-                               std::optional<Machine> machine, double voxel_weight, double pixel_weight)
-    : whole_(source.grid()),
-      section_(section),
-      machine_(std::move(machine)),
-      voxel_weight_(voxel_weight),
-      pixel_weight_(pixel_weight),
-      painter_(make_splat_painter(0, 1, threads_)) {
-  if (section.slices() > 0) store_ = read_section(source, section, with_normals);
-}
-
-std::shared_ptr<const SplatFrame> SectionPainter::frame_of(const FrameSpec& spec) const {
-  FrameSpec part = spec;
-  part.shown.clip = box_of(whole_, section_);
-  auto frame = std::make_shared<SplatFrame>(*make_splat_frame(part, whole_, 1, 1));
-  if (frame->geometry.traversal.axis != Axis::z)
-    throw InputError("the view does not traverse the z slices, of which the sections are",
-                     "look from above: --elevation 60 to 90");
-  // The store has the section only, as a volume of its own.
-  frame->geometry.box = whole_box(frame->geometry.grid);
-  return frame;
-}
-
-double SectionPainter::cost_of(const EncodedStep& encoded, double samples) const {
-  // Without a machine: as many as a visible voxel takes nanoseconds on one core, more or less.
-  constexpr double visible_voxel = 80, transparent_voxel = 3;
-  if (!machine_)
-    return visible_voxel * double(encoded.counts.visible) + transparent_voxel * double(encoded.counts.voxels);
-  double seconds = encoding_seconds(*machine_, voxel_weight_ * double(encoded.counts.voxels),
-                                    voxel_weight_ * double(encoded.counts.visible));
-  for (const EncodedPart& part : encoded.parts)
-    if (!part.payload.empty())
-      seconds += drawing_seconds(*machine_, voxel_weight_ * double(part.items), part.passes,
-                                 pixel_weight_ * samples);
-  return seconds;
-}
-
-Drawn SectionPainter::draw(const FrameSpec& spec, Image& picture) {
-  Drawn drawn;
-  drawn.costs.resize(std::size_t(whole_.dims.z));
-  if (section_.slices() < 1) return drawn;
-  if (machine_) charge(machine_->gp.frame + machine_->renderer.frame);
-  const auto frame = frame_of(spec);
-  // A described machine's costs are those of looking at every voxel.
-  const auto encoder = make_splat_encoder(frame, 1, store_, space_, threads_, !machine_);
-  const Meter meter = machine_ ? make_splat_meter(frame) : nullptr;
-  painter_->begin_frame(frame);
-  for (const int step : encoder->shown()) {
-    encoder->begin(step);
-    while (!encoder->work()) continue;
-    const EncodedStep encoded = encoder->finish();
-    const double samples = meter ? double(meter(step, encoded.parts).front().samples) : 0;
-    const double cost = cost_of(encoded, samples);
-    if (machine_) charge(cost);
-    const int slice = section_.first + frame->geometry.traversal.slice_at(step, section_.slices());
-    drawn.costs[std::size_t(slice)] = cost;
-    for (const EncodedPart& part : encoded.parts) {
-      if (part.payload.empty()) continue;
-      drawn.splats += double(part.items);
-      painter_->begin({step, part.passes, std::span<const std::byte>(part.payload).subspan(sizeof(Header))});
-      while (!painter_->work()) continue;
-    }
-    Bytes news;
-    painter_->news(0, news);
-    if (!news.empty()) encoder->take_news(std::span<const std::byte>(news).subspan(sizeof(Header)));
-  }
-  bool first = true;
-  painter_->finish([&](int tile, const Bytes& bytes) {
-    const PixelRect rect = frame->geometry.regions.rect(tile);
-    const std::size_t row = std::size_t(rect.width()) * 4 * sizeof(float);
-    for (int y = 0; y < rect.height(); ++y)
-      std::memcpy(picture.pixel(rect.x0, rect.y0 + y), bytes.data() + sizeof(Header) + std::size_t(y) * row,
-                  row);
-    PixelRect& reached = drawn.reached;
-    reached = first ? rect
-                    : PixelRect{std::min(reached.x0, rect.x0), std::min(reached.y0, rect.y0),
-                                std::max(reached.x1, rect.x1), std::max(reached.y1, rect.y1)};
-    first = false;
-    if (machine_)
-      charge(machine_->renderer.pixel * pixel_weight_ * double(rect.width()) * double(rect.height()));
-  });
-  return drawn;
 }
 
 }  // namespace ringsplat::sort_last
