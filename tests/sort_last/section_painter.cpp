@@ -89,7 +89,8 @@ class SplatSection final : public SectionPainter {
       painter_->news(0, news);
       if (!news.empty()) encoder->take_news(std::span<const std::byte>(news).subspan(sizeof(Header)));
     }
-    drawn.reached = finish(*painter_, frame->geometry.regions, setup_, picture);
+    finish(*painter_, frame->geometry.regions, setup_, picture, drawn);
+    charge(drawn.seconds);
     return drawn;
   }
 
@@ -142,8 +143,8 @@ std::unique_ptr<SectionPainter> make_splat_section(const SectionSetup& setup, bo
   return std::make_unique<SplatSection>(setup, with_normals);
 }
 
-PixelRect finish(Painter& painter, const Regions& regions, const SectionSetup& setup, Image& picture) {
-  PixelRect reached;
+void finish(Painter& painter, const Regions& regions, const SectionSetup& setup, Image& picture,
+            Drawn& drawn) {
   bool first = true;
   painter.finish([&](int tile, const Bytes& bytes) {
     const PixelRect rect = regions.rect(tile);
@@ -151,15 +152,15 @@ PixelRect finish(Painter& painter, const Regions& regions, const SectionSetup& s
     for (int y = 0; y < rect.height(); ++y)
       std::memcpy(picture.pixel(rect.x0, rect.y0 + y), bytes.data() + sizeof(Header) + std::size_t(y) * row,
                   row);
+    PixelRect& reached = drawn.reached;
     reached = first ? rect
                     : PixelRect{std::min(reached.x0, rect.x0), std::min(reached.y0, rect.y0),
                                 std::max(reached.x1, rect.x1), std::max(reached.y1, rect.y1)};
     first = false;
     if (setup.machine)
-      charge(setup.machine->renderer.pixel * setup.pixel_weight * double(rect.width()) *
-             double(rect.height()));
+      drawn.seconds +=
+          setup.machine->renderer.pixel * setup.pixel_weight * double(rect.width()) * double(rect.height());
   });
-  return reached;
 }
 
 Section section_of(int rank, int ranks, int slices) {

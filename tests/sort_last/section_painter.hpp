@@ -27,6 +27,7 @@ Section section_of(int rank, int ranks, const std::vector<double>& costs);
 /// What drawing a section took, besides time.
 struct Drawn {
   double items = 0;           ///< splats, or blocks of sheets
+  double seconds = 0;         ///< on the machine, of what was not charged yet
   std::vector<double> costs;  ///< by slice of the volume: seconds on the machine, or in proportion to them
   PixelRect reached;          ///< the part of the picture outside of which it is transparent
 };
@@ -61,7 +62,8 @@ std::unique_ptr<SectionPainter> make_splat_section(const SectionSetup& setup, bo
 std::unique_ptr<SectionPainter> make_sheet_section(const SectionSetup& setup, Axis axis, double low,
                                                    double high);
 
-/// Puts a painter's finished tiles of `regions` into the picture; returns what they cover.
-PixelRect finish(Painter& painter, const Regions& regions, const SectionSetup& setup, Image& picture);
+/// Puts a painter's finished tiles of `regions` into the picture and notes what they cover and cost.
+void finish(Painter& painter, const Regions& regions, const SectionSetup& setup, Image& picture,
+            Drawn& drawn);
 
 }  // namespace ringsplat::sort_last

@@ -74,8 +74,7 @@ class SheetSection final : public SectionPainter {
       : setup_(setup),
         axis_(axis),
         whole_(setup.source.grid()),
-        box_(box_around(whole_, axis, setup.section)),
-        painter_(make_sheet_painter(0, 1, threads_)) {
+        box_(box_around(whole_, axis, setup.section)) {
     if (setup.section.slices() < 1) return;
     store_ = read_part(setup.source, box_, axis);
     store_.know_ranges(
@@ -94,16 +93,19 @@ class SheetSection final : public SectionPainter {
     const auto encoder =
         make_sheet_encoder(part, 1, store_, blocks_, false, setup_.machine ? nullptr : &kept_);
     const Meter meter = setup_.machine ? make_sheet_meter(part) : nullptr;
+    if (!painter_) painter_ = make_sheet_painter(0, 1, threads_);
     painter_->begin_frame(frame);
-    if (setup_.machine)
-      charge(setup_.machine->gp.frame + setup_.machine->renderer.frame + setup_.machine->sheets.table);
+    if (const auto& m = setup_.machine) drawn.seconds = m->gp.frame + m->renderer.frame + m->sheets.table;
     const auto [first, end] = own_steps(frame->geometry);
     for (int step = std::max(first - drawn_before, 0);
          step < std::min(end + drawn_behind, frame->geometry.slices); ++step)
       draw_step(step, step >= first && step < end, *frame, *part, *encoder, meter, drawn);
     while (painter_->conclude()) continue;
-    drawn.reached = finish(*painter_, frame->geometry.regions, setup_, picture);
+    finish(*painter_, frame->geometry.regions, setup_, picture, drawn);
     placed_ = true;
+    // Simulated ranks draw one after another, so that one of them only needs planes.
+    if (setup_.machine) painter_.reset();
+    charge(drawn.seconds);
     return drawn;
   }
 
@@ -141,7 +143,7 @@ class SheetSection final : public SectionPainter {
       while (painter_->prepare()) continue;
     }
     const double cost = cost_of(encoded, work, double(painter_->counts().samples - samples));
-    if (setup_.machine) charge(cost);
+    if (setup_.machine) drawn.seconds += cost;
     if (own) {
       drawn.costs[std::size_t(slice)] = cost;
       drawn.items += double(sent.items);
