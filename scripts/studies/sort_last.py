@@ -1,46 +1,48 @@
-"""Sort-last compositing (IceT) beside the ring.
+"""Sort-last compositing (IceT) beside the ring, both with sheets.
 
 Writes FOLDER/sort_last.csv, a row for each run as it comes, draws it into FOLDER/sort_last.png and prints it as a table. Studies:
 
-    real     the head at 512x512 on 1 to 8 ranks of this machine, the median of some frames; nothing else should run
-    strong   simulated: a ball of 32 % of 1024³ voxels at 1024² on ever more ranks of two networks
-    pictures the same on 64 ranks with smaller and larger pictures
-    slices   1024 slices of fewer and fewer voxels on 64 ranks
+    real     the head refined to 512³ on 2 and 4 ranks of this machine; nothing else should run
+    strong   simulated: a ball of 32 % of 512³ voxels at 512² on ever more ranks of two networks
+    large    along an axis, of 1024³ voxels at 1024²
+    views    on 64 ranks along an axis, turned further, and from an eye
+    sparse   on 64 ranks a shell of 3 % of the voxels
 
-Both draw splats with the same painter. Sort-last: sections with as many slices each or with the same cost, binary swap and radix-k. The
-ring: what the program chooses on simulated ranks; on real ones as many GPs as Renderers on ranks of their own, three of four ranks
-GPs, and every rank both. What IceT itself costs a byte and a pixel is measured on two real ranks first (IceT's own clocks). `real` counts
-what all ranks send, and their largest memory. IceT comes with Debian's paraview-dev (112 MB to download, 740 MB installed); configure
-again when it is there.
+Frames turn by two degrees: of the first one all voxels are new to who draws them, of a later one they are kept. Both sides draw with the
+same encoder and painter. Sort-last: sections with as many slices each or with the same cost, radix-k, ranks put on hosts one after
+another. The ring: what the program chooses, ranks put on hosts in turn; on real ranks as many GPs as Renderers on ranks of their own, or
+every rank both. What IceT itself costs a byte and a pixel is measured on two real ranks first (IceT's own clocks); --icet says it instead.
+`real` compares pictures with one rank's. IceT comes with Debian's paraview-dev (112 MB to download, 740 MB installed); configure again
+when it is there.
 """
-import hashlib
 import json
 import os
 import re
-import statistics
 import sys
 import tempfile
 from collections import defaultdict
 
 from .output import median, ms, plotting, print_head, print_row, read_csv, write_figure
-from .run import AHEAD, BUILD, HEAD, MACHINES, PROGRAM, nodes, on_ranks, output_of, parser, program, read_frames
+from .run import AHEAD, BUILD, HEAD, MACHINES, PROGRAM, fail, on_ranks, output_of, parser, program, read_frames
 from .scaling import Rows, chosen_studies
 from .simulation import run_simulation, simulate
+from .volumes import refined, step_function, threshold_for
 
-FIELDS = ["study", "machine", "program", "setting", "ranks", "picture", "voxels_a_slice", "seconds", "painting_mean", "painting_most", "bytes",
-          "messages", "memory_most", "memory_sum", "hash"]
+FIELDS = ["study", "machine", "program", "setting", "ranks", "scene", "view", "voxels", "picture", "first", "turning", "painting_mean",
+          "painting_most", "bytes_first", "bytes_turning", "messages", "differing_pixels", "rmse"]
 NETWORKS = ["infiniband-fat-tree.toml", "ethernet-cluster.toml"]
-STRATEGIES = [("radixk", True), ("radixk", False), ("bswap", True), ("bswap", False)]
 # Pixels of a simulated picture that are drawn: each stands for a square of the true one's, and links are as much slower.
 DRAWN = 128
-REAL_FRAMES = 9
+FRAMES, REAL_FRAMES, TURN = 5, 7, 2
+# Azimuth, elevation, and degrees that an eye sees.
+VIEWS = {"axis": (0, 90, 0), "30/20": (30, 20, 0), "36/35": (36, 35, 0), "eye, 30/20": (30, 20, 40)}
+SCENES = {"ball": 0.32, "shell": 0.03}
 
 
 def real_rings(ranks):
     """Layouts of so many ranks, of which a user would take the fastest."""
     yield f"{ranks // 2}+{ranks - ranks // 2}", {"gps": ranks // 2, "renderers": ranks - ranks // 2}
-    yield f"{ranks * 3 // 4}+{ranks - ranks * 3 // 4}", {"gps": ranks * 3 // 4, "renderers": ranks - ranks * 3 // 4}
-    yield "colocated", {"gps": ranks, "renderers": ranks, "roles": "colocated"}
+    yield f"{ranks} colocated", {"gps": ranks, "renderers": ranks, "roles": "colocated"}
 
 
 def slower(machine, weight, target):
@@ -52,176 +54,200 @@ def slower(machine, weight, target):
     return target
 
 
+def turning(frames):
+    """Seconds of those at the end, when what can be kept is."""
+    return median(frame["seconds"] for frame in frames[len(frames) // 2 + 1:])
+
+
 class Study(Rows):
     def __init__(self, folder, output, most_ranks):
         super().__init__(folder, output, "sort_last.csv", FIELDS, most_ranks)
         self.icet = None
 
+    def ring_view(self, view, frames):
+        """The program's options for frames that turn."""
+        azimuth, elevation, fov = VIEWS[view]
+        with open(self.path("views.txt"), "w", encoding="utf-8") as file:
+            file.writelines(f"{azimuth + TURN * k} {elevation} 0 1.7\n" for k in range(frames))
+        return ["--path", self.path("views.txt"), "--fit", "sphere", *(["--projection", "perspective", "--fov", fov] if fov else [])]
+
+    def race_view(self, view, frames):
+        azimuth, elevation, fov = VIEWS[view]
+        return ["--engine", "sheets", "--azimuth", azimuth, "--elevation", elevation, "--zoom", 1.7, "--turn", TURN, "--frames", frames,
+                *(["--fov", fov] if fov else [])]
+
     # Real ranks
 
     def head(self):
-        curve = self.path("soft.json")
+        volume, curve = self.path("head.nrrd"), self.path("soft.json")
         if not os.path.exists(curve):
+            refined(HEAD, volume)
             program("render", HEAD, "-o", self.path("x.exr"), "--quality", "paper", "--size", 16, "--tf", "mr-soft", "--tf-out", curve)
-        return [HEAD, "--tf", curve, "--size", 512]
+        return [volume, "--tf", curve, "--size", 512]
 
-    def sections(self, ranks, strategy, even):
-        command = [BUILD / "sort_last", *self.head(), "--azimuth", 30, "--elevation", 75, "--strategy", strategy, "--frames", REAL_FRAMES]
+    def sections(self, ranks, even, *options):
+        command = [BUILD / "sort_last", *self.head(), *self.race_view("30/20", REAL_FRAMES), *options]
         return [json.loads(line) for line in output_of(*on_ranks(ranks, *command, *(["--even"] if even else []))).splitlines()]
 
     def costs_of_icet(self):
-        """Seconds a received byte and a looked-at pixel of an own picture, once measured."""
+        """Seconds a received byte and a looked-at pixel of an own picture, once measured; the least, as other programs may run."""
         if self.icet is None:
-            frames = self.sections(2, "bswap", True)[1:]
-            self.icet = [median(f["blending"] / f["bytes"] for f in frames), median(f["compressing"] / f["pixels"] for f in frames)]
+            frames = self.sections(2, True, "--strategy", "bswap")[1:]
+            self.icet = [min(f["blending"] / f["bytes"] for f in frames), min(f["compressing"] / f["pixels"] for f in frames)]
             print(f"IceT takes {1e9 * self.icet[0]:.3f} ns a byte and {1e9 * self.icet[1]:.3f} ns a pixel", file=sys.stderr, flush=True)
         return self.icet
 
     def real(self):
-        for ranks in (1, 2, 3, 4, 6, 8):
-            if ranks > self.most_ranks:
-                return
-            common = {"study": "real", "machine": "here", "ranks": ranks, "picture": 512, "voxels_a_slice": 128 * 128}
-            for strategy, even in STRATEGIES:
-                frames = self.sections(ranks, strategy, even)[1:]
-                middle = {key: median(f[key] for f in frames)
-                          for key in ("seconds", "painting_mean", "painting_most", "bytes", "messages", "memory_most", "memory_sum")}
-                self.note(common | middle | {"program": "sort-last", "setting": strategy + (", even" if even else ""), "hash": frames[-1]["picture"]})
+        self.sections(1, False, "-o", self.path("one.exr"))
+        for ranks in (2, 4):
+            common = {"study": "real", "machine": "here", "ranks": ranks, "scene": "head", "view": "30/20", "voxels": 512, "picture": 512}
+            for even in (True, False):
+                frames = self.sections(ranks, even, "-o", self.path("some.exr"))
+                self.note(common | self.of_sections(frames) | self.seams() | {"setting": "even" if even else "equal"})
             for setting, layout in real_rings(ranks):
-                if min(layout["gps"], layout["renderers"]) > 0:
-                    self.note(common | self.real_ring(layout) | {"program": "ring", "setting": setting})
+                options = [word for key, value in layout.items() for word in (f"--{key}", value)]
+                command = on_ranks(ranks, PROGRAM, "render", *self.head(), "--quality", "best", "--threads-per-rank", 1, "--frames-in-flight", 1,
+                                   *AHEAD, *self.ring_view("30/20", REAL_FRAMES), *options)
+                # Files are written by another run: the library for them takes memory and cores.
+                output_of(*command, "--stats", self.path("ring.json"))
+                output_of(*command, "-o", self.path("ring.exr"))
+                os.replace(self.path(f"ring-{REAL_FRAMES - 1:04}.exr"), self.path("some.exr"))
+                self.note(common | self.of_ring(read_frames(self.path("ring.json"))) | self.seams() | {"setting": setting})
 
-    def real_ring(self, layout):
-        stats, views, picture = self.path("ring.json"), self.path("views.txt"), self.path("ring.exr")
-        with open(views, "w", encoding="utf-8") as file:
-            file.write("30 75\n" * REAL_FRAMES)
-        options = [word for key, value in layout.items() for word in (f"--{key}", value)]
-        command = on_ranks(layout["gps"] if "roles" in layout else layout["gps"] + layout["renderers"], PROGRAM, "render", *self.head(),
-                           "--quality", "paper", "--shading", "phong", "--fit", "sphere", *AHEAD, *options)
-        # Files are written by another run: the library for them takes memory and cores.
-        output_of(*command, "--path", views, "--frames-in-flight", 1, "--stats", stats)
-        output_of(*command, "--azimuth", 30, "--elevation", 75, "-o", picture)
-        frames = read_frames(stats)[1:]
+    def seams(self):
+        """How far the last picture is from one rank's."""
+        said = json.loads(program("compare", self.path("some.exr"), self.path("one.exr"), "--threshold", 0, "--json"))
+        return {"differing_pixels": round(said["fraction_over"] * said["pixels"]), "rmse": said["rmse"]}
+
+    @staticmethod
+    def of_sections(frames):
         last = frames[-1]
-        # Nodes of one rank say the same; GPs have the first ranks, Renderers the others, or the same.
-        memory = {}
-        for k, node in enumerate(last["nodes"]):
-            rank = int(node["node"].split()[-1]) if "roles" in layout else k
-            memory[rank] = max(memory.get(rank, 0), node["peak_memory"])
-        with open(picture, "rb") as file:
-            digest = hashlib.sha256(file.read()).hexdigest()[:16]
-        return {"seconds": median(f["seconds"] for f in frames), "bytes": last["total"]["payload_bytes_sent"],
-                "messages": last["total"]["payloads_sent"], "memory_most": max(memory.values()), "memory_sum": sum(memory.values()), "hash": digest}
+        return {"program": "sort-last", "first": frames[0]["seconds"], "turning": turning(frames),
+                "bytes_first": frames[0]["bytes"], "bytes_turning": last["bytes"]} | {key: last[key] for key in (
+                    "painting_mean", "painting_most", "messages")}
+
+    @staticmethod
+    def of_ring(frames):
+        total = frames[-1]["total"]
+        return {"program": "ring", "first": frames[0]["seconds"], "turning": turning(frames),
+                "bytes_first": frames[0]["total"]["payload_bytes_sent"], "bytes_turning": total["payload_bytes_sent"],
+                "messages": total["payloads_sent"]}
 
     # Simulated ranks
 
-    def from_above(self):
-        volume, curve = self.ball(1024, 128)
-        return [*volume, "--tf", curve, "--shading", "none", "--elevation", 90, "--zoom", 1.7]
+    def scene(self, name, n):
+        """A cube of n³ voxels and its function, as arguments. How many voxels a value has is counted in a small one."""
+        path, curve = self.path(f"{name}{n}_{n}x{n}x{n}_uint8.raw"), self.path(f"{name}.json")
+        if not os.path.exists(curve):
+            program("synth", name, "-o", self.path(f"{name}128.raw"), "--dims", "128x128x128")
+            step_function(curve, threshold_for(self.path(f"{name}128_128x128x128_uint8.raw"), round(SCENES[name] * 128**3)))
+        if not os.path.exists(path):
+            program("synth", name, "-o", self.path(f"{name}{n}.raw"), "--dims", f"{n}x{n}x{n}")
+        return [path, "--tf", curve]
 
-    def simulated(self, study, network, ranks, size=1024, width=1024):
+    def simulated(self, study, network, ranks, view="30/20", scene="ball", n=512):
         if ranks > self.most_ranks:
             return
-        common = {"study": study, "machine": network, "ranks": ranks, "picture": size, "voxels_a_slice": width**2}
-        voxels = ["--voxel-weight", f"{(width / 128) ** 2:g}"]
-        for strategy, even in STRATEGIES:
-            self.note(common | self.simulated_sections(network, ranks, size, voxels, strategy, even)
-                      | {"program": "sort-last", "setting": strategy + (", even" if even else "")})
-        frame = simulate({"machine": str(MACHINES / network), "frames-in-flight": 1, "gps": "auto"}, *self.from_above(), *voxels, "--fit", "sphere",
-                         "--size", f"{size}x{size}", "--count-only", monitors={"ranks": ranks})[0]
-        roles, total, drawing = frame["layout"], frame["total"], [n["seconds"]["drawing"] for n in nodes(frame, "Renderer")]
-        self.note(common | {"program": "ring", "seconds": frame["seconds"], "bytes": total["payload_bytes_sent"], "messages": total["payloads_sent"],
-                            "setting": f"{roles['gps']}+{roles['renderers']}" + (" colocated" if roles["roles"] == "colocated" else ""),
-                            "painting_mean": statistics.fmean(drawing), "painting_most": max(drawing)})
+        common = {"study": study, "machine": network, "ranks": ranks, "scene": scene, "view": view, "voxels": n, "picture": n}
+        for even in (True, False):
+            frames = self.simulated_sections(network, ranks, n, self.scene(scene, n), view, even)
+            self.note(common | self.of_sections(frames) | {"setting": "even" if even else "equal"})
+        frames = simulate({"machine": str(MACHINES / network), "frames-in-flight": 1, "gps": "auto", "quality": "best"}, *self.scene(scene, n),
+                          *self.ring_view(view, FRAMES), "--size", n, "--count-only", monitors={"ranks": ranks, "map_by": "node"})
+        roles = frames[0]["layout"]
+        layout = f"{ranks} colocated" if roles["roles"] == "colocated" else f"{roles['gps']}+{roles['renderers']}"
+        self.note(common | self.of_ring(frames) | {"setting": layout})
 
-    def simulated_sections(self, network, ranks, size, voxels, strategy, even):
+    def simulated_sections(self, network, ranks, size, volume, view, even):
         weight = (size // DRAWN) ** 2
         machine = slower(MACHINES / network, weight, self.path(f"{weight}-{network}"))
         config = self.path("ranks.toml")
         with open(config, "w", encoding="utf-8") as file:
             file.write(f'machine = "{machine}"\nroles = "colocated"\ngps = {ranks}\nrenderers = {ranks}\n')
         blend, compress = self.costs_of_icet()
-        # A drawn voxel covers what it stands for.
-        said = run_simulation(config, *self.from_above(), "--radius", 0.5, *voxels, "--size", DRAWN, "--region", DRAWN, "--pixel-weight", weight,
-                              "--strategy", strategy, "--blend-seconds-per-byte", blend, "--compress-seconds-per-pixel", compress,
+        said = run_simulation(config, *volume, *self.race_view(view, FRAMES), "--size", DRAWN, "--pixel-weight", weight,
+                              "--blend-seconds-per-byte", blend, "--compress-seconds-per-pixel", compress,
                               *(["--even"] if even else []), monitors={"other": BUILD / "sort_last_smpi.so"})
-        frame = json.loads(said.splitlines()[-1])
-        return {key: frame[key] for key in ("seconds", "painting_mean", "painting_most", "bytes", "messages")} | {"hash": frame["picture"]}
+        return [json.loads(line) for line in said.splitlines()] or fail(f"{ranks} simulated ranks drew nothing of {view}")
 
     def strong(self):
         for network in NETWORKS:
             for ranks in (16, 64, 256, 1024):
                 self.simulated("strong", network, ranks)
 
-    def pictures(self):
-        for size in (256, 512, 2048, 4096):
+    def large(self):
+        for network in NETWORKS:
+            for ranks in (64, 256):
+                self.simulated("large", network, ranks, "axis", n=1024)
+
+    def views(self):
+        for view in ("axis", "36/35", "eye, 30/20"):
             for network in NETWORKS:
-                self.simulated("pictures", network, 64, size=size)
+                self.simulated("views", network, 64, view)
 
-    def slices(self):
-        for width in (512, 256, 128):
-            for network in NETWORKS:
-                self.simulated("slices", network, 64, width=width)
+    def sparse(self):
+        for network in NETWORKS:
+            self.simulated("sparse", network, 64, scene="shell")
 
 
-# Study, what is along x, its name.
-PANELS = [("real", "ranks", "ranks, here"), ("strong", "ranks", "simulated ranks"), ("pictures", "picture", "width of the picture, 64 ranks"),
-          ("slices", "voxels_a_slice", "voxels of a slice, 64 ranks")]
 COLOURS = {"ring": "#0072B2", "sort-last": "#D55E00"}
-LINES = {"here": "-", "infiniband-fat-tree.toml": "-", "ethernet-cluster.toml": "--"}
 NAMES = {"here": "here", "infiniband-fat-tree.toml": "InfiniBand", "ethernet-cluster.toml": "Ethernet"}
+COLUMNS = ("study", "machine", "ranks", "scene", "view", "voxels")
+TIMES = ("first", "turning")
 
 
 def fastest(rows):
-    """{study: {(machine, program): {x: row}}}: of each program the setting that is fastest there."""
-    best = defaultdict(lambda: defaultdict(dict))
+    """{COLUMNS: {(program, time): row}}: of each program the setting that is fastest there."""
+    best = defaultdict(dict)
     for row in rows:
-        row["seconds"] = float(row["seconds"])
-        for study, key, _ in PANELS:
-            # The strong study's frame on 64 ranks belongs to the others as well.
-            if row["study"] != study and not (study in ("pictures", "slices") and row["study"] == "strong" and row["ranks"] == "64"):
-                continue
-            of, x = best[study][row["machine"], row["program"]], int(row[key])
-            if x not in of or row["seconds"] < of[x]["seconds"]:
-                of[x] = row
+        for time in TIMES:
+            row[time] = float(row[time])
+            of, key = best[tuple(row[column] for column in COLUMNS)], (row["program"], time)
+            if key not in of or row[time] < of[key][time]:
+                of[key] = row
     return best
 
 
 def draw(plt, best):
-    panels = [panel for panel in PANELS if panel[0] in best]
-    figure, axes = plt.subplots(1, len(panels), figsize=(4.2 * len(panels), 4), layout="constrained", squeeze=False)
-    for axis, (study, _, name) in zip(axes[0], panels):
-        for (machine, of_program), of in sorted(best[study].items()):
-            xs = sorted(of)
-            axis.plot(xs, [1e3 * of[x]["seconds"] for x in xs], LINES[machine], color=COLOURS[of_program],
-                      marker="o" if of_program == "ring" else "s", label=f"{of_program}, {NAMES[machine]}")
-        axis.set(xscale="log", yscale="log", xlabel=name)
+    figure, axes = plt.subplots(1, 2, figsize=(9, 4), layout="constrained", sharey=True)
+    for axis, (machine, name) in zip(axes, list(NAMES.items())[1:]):
+        for of_program, colour in COLOURS.items():
+            for time, line in zip(TIMES, ("-o", ":o")):
+                points = sorted((int(key[2]), 1e3 * of[of_program, time][time]) for key, of in best.items()
+                                if key[0] == "strong" and key[1] == machine)
+                if points:
+                    axis.loglog(*zip(*points), line, color=colour, label=f"{of_program}, {time}")
+        axis.set(xlabel=f"simulated ranks, {name}")
         axis.grid(which="both")
         axis.legend(handlelength=3.5)
-    axes[0][0].set_ylabel("milliseconds a frame")
+    axes[0].set_ylabel("milliseconds a frame, 512³")
     return figure
 
 
 def print_fastest(best):
-    print_head("study", "machine", "ranks", "picture", "voxels of a slice", "ring, ms", "its layout", "sort-last, ms", "its way", "sort-last / ring")
-    for study in best:
-        for machine in NAMES:
-            ring, sections = best[study][machine, "ring"], best[study][machine, "sort-last"]
-            for x in sorted(set(ring) & set(sections)):
-                r, s = ring[x], sections[x]
-                if r["study"] == study:  # else in another panel's rows already
-                    print_row(study, NAMES[machine], r["ranks"], f"{r['picture']}²", r["voxels_a_slice"], ms(r["seconds"]), r["setting"],
-                              ms(s["seconds"]), s["setting"], f"{s['seconds'] / r['seconds']:.2f}")
+    print_head("study", "machine", "ranks", "scene", "view", "voxels", "first frame: ring, ms", "sort-last, ms", "sort-last / ring",
+               "turning: ring, ms", "sort-last, ms", "sort-last / ring", "its layout; sections")
+    for key, of in best.items():
+        if len(of) < 2 * len(TIMES):
+            continue
+        cells = []
+        for time in TIMES:
+            ring, sections = of["ring", time][time], of["sort-last", time][time]
+            cells += [ms(ring), ms(sections), f"{sections / ring:.2f}"]
+        print_row(key[0], NAMES[key[1]], *key[2:5], f"{key[5]}³", *cells,
+                  f"{of['ring', 'turning']['setting']}; {of['sort-last', 'turning']['setting']}")
 
 
 def main(words):
     arguments = parser(__doc__)
     arguments.add_argument("--draw", action="store_true", help="only draws and prints FOLDER/sort_last.csv again")
-    options, studies = chosen_studies(arguments, words, [Study.real, Study.strong, Study.pictures, Study.slices])
+    arguments.add_argument("--icet", type=float, nargs=2, metavar=("BYTE", "PIXEL"), help="seconds, as another run of the study said")
+    options, studies = chosen_studies(arguments, words, [Study.real, Study.strong, Study.large, Study.views, Study.sparse])
     plt = plotting()
     if not options.draw:
         with tempfile.TemporaryDirectory() as folder:
             study = Study(folder, options.folder, options.most_ranks)
+            study.icet = options.icet
             for run in studies:
                 run(study)
     best = fastest(read_csv(os.path.join(options.folder, "sort_last.csv")))
