@@ -218,7 +218,9 @@ def draw(plt, best):
                 if points:
                     axis.loglog(*zip(*points), line, color=colour, label=f"{of_program}, {time}")
         axis.set(xlabel=f"simulated ranks, {name}")
-        axis.grid(which="both")
+        axis.set_xticks([16, 64, 256], ["16", "64", "256"])
+        axis.minorticks_off()
+        axis.grid()
         axis.legend(handlelength=3.5)
     axes[0].set_ylabel("milliseconds a frame, 512³")
     return figure
