@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "ringsplat/base/error.hpp"
 #include "truth/cubic.hpp"
@@ -142,25 +143,40 @@ class Certifier : Tracer {
     };
     const LatticeRay ray = rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return hits(grown_) ? PixelBounds{} : PixelBounds{Rgba(0.0), Rgba(0.0)};
-    Sight sight{{}, 1, 1 / (ray.leave - ray.enter), most_pieces_};
+    Sight sight{.pieces_left = most_pieces_};
     const std::vector<Uncertain> cuts = uncertain_cuts(scene_, ray);
     for (std::size_t i = 0; i + 1 < cuts.size() && !hidden(sight); ++i)
       if (cuts[i].at < cuts[i + 1].at) pass(ray, passage_between(scene_, ray, cuts[i], cuts[i + 1]), sight);
-    PixelBounds bounds = bounds_of(composited(sight));
+    sight.rest_open = hidden(sight);
+    EnclosedPiece seen = composited(sight);
+    while (!(seen.width() <= width_) && sharpen(sight, seen.width())) seen = composited(sight);
+    PixelBounds bounds = bounds_of(seen);
     if (!hits(shrunk_)) bounds.low = Rgba(0.0);
     return bounds;
   }
 
  private:
+  /// Between two places of a passage, in parts of it.
+  struct Piece {
+    EnclosedPiece known;
+    std::size_t stretch;
+    double from, to;
+    bool settled;  ///< cannot be known more exactly
+  };
   /// What was seen of a ray from the front.
   struct Sight {
-    std::vector<EnclosedPiece> pieces;
-    Interval transmittance;
-    double part_of_ray;  ///< that a unit length is
+    struct Stretch {
+      CellMedium medium;
+      Interval length;
+    };
+    std::vector<Stretch> stretches = {};
+    std::vector<Piece> pieces = {};
+    Interval transmittance = 1;
+    bool rest_open = false;  ///< whatever is behind the pieces
     int pieces_left;
-    void add(EnclosedPiece piece) {
-      transmittance = clamped(transmittance * piece.transmittance, 0, 1);
-      pieces.push_back(std::move(piece));
+    void add(const Piece& piece) {
+      transmittance = clamped(transmittance * piece.known.transmittance, 0, 1);
+      pieces.push_back(piece);
     }
   };
 
@@ -174,8 +190,8 @@ class Certifier : Tracer {
   EnclosedPiece composited(const Sight& sight) const {
     EnclosedPiece seen;
     const Interval any{0, 1};
-    if (hidden(sight)) seen = {{any, any, any}, any};
-    for (std::size_t i = sight.pieces.size(); i-- > 0;) seen = behind(sight.pieces[i], seen);
+    if (sight.rest_open) seen = {{any, any, any}, any};
+    for (std::size_t i = sight.pieces.size(); i-- > 0;) seen = behind(sight.pieces[i].known, seen);
     return seen;
   }
 
@@ -199,7 +215,7 @@ class Certifier : Tracer {
 
   void pass(const LatticeRay& ray, const Passage& passage, Sight& sight) const {
     if (!(passage.length.lower() > 0) || beside_other_medium(ray, passage)) {
-      sight.add(unknown(passage));
+      sight.add({unknown(passage), 0, 0, 1, true});
       return;
     }
     const Cell shown = scene_.nearest() ? Cell{passage.nearest, passage.nearest} : passage.cell;
@@ -208,13 +224,13 @@ class Certifier : Tracer {
     // How far the field is from the cell's own: each axis changes it by less than the values' range a voxel.
     const double extra = passage.beside > 0 ? 3 * passage.beside * width(values_) : 0;
     if (!curve_.visible(values->low - extra, values->high + extra)) return;
-    const CellMedium medium = medium_of(ray, passage, *values, extra);
+    sight.stretches.push_back({medium_of(ray, passage, *values, extra), passage.length});
     const auto value_at = [&](double part) {
-      return median(series_of<0>(medium.value, Interval(part), 0)[0]);
+      return median(series_of<0>(sight.stretches.back().medium.value, Interval(part), 0)[0]);
     };
     const std::vector<double> cuts = cuts_at_knots(cubic_along(0, 1, value_at), curve_.knots());
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
-      if (cuts[i] < cuts[i + 1]) refine(medium, passage, cuts[i], cuts[i + 1], sight);
+      if (cuts[i] < cuts[i + 1]) look(sight.stretches.size() - 1, cuts[i], cuts[i + 1], sight);
   }
 
   /// Where a ray runs along a face, or along an edge, what is on the other side counts as well.
@@ -277,30 +293,67 @@ class Certifier : Tracer {
     return complete ? std::optional(all) : std::nullopt;
   }
 
-  /// The piece [a, b] of a passage, in parts of it, or its halves where its bounds are too wide.
-  void refine(const CellMedium& medium, const Passage& passage, double a, double b, Sight& sight) const {
-    const Part part(passage.length, a, b);
-    const double front = sight.transmittance.upper(), middle = 0.5 * (a + b);
-    const auto narrow = [&](const EnclosedPiece& piece) {
-      const double share = std::max((b - a) * (passage.leave - passage.enter) * sight.part_of_ray,
-                                    front * (1 - piece.transmittance.lower()));
-      constexpr double always = 2e-4;  // where what is shown jumps
-      return front * piece.width() <= width_ * std::max(always, 0.4 * share);
-    };
+  /// `front`: what is let through before it.
+  Piece piece_of(Sight& sight, std::size_t stretch, double from, double to, double front) const {
+    const auto& [medium, length] = sight.stretches[stretch];
+    const Part part(length, from, to);
     const Extremes extremes = extremes_of(lines_, medium, part);
-    EnclosedPiece piece = between(extremes, part);
+    EnclosedPiece known = between(extremes, part);
     --sight.pieces_left;
-    if (!narrow(piece))
-      if (const auto smooth = expanded(lines_, medium, extremes, part)) piece = *smooth;
-    // Of a passage: values are not known more exactly.
-    constexpr double shortest = 1e-8;
-    if (narrow(piece) || b - a < shortest || sight.pieces_left <= 0) {
+    constexpr double negligible = 0.003;
+    if (front * known.width() > negligible * width_) {
+      const auto smooth = expanded(lines_, medium, extremes, part);
+      if (smooth && smooth->width() < known.width()) known = *smooth;
+    }
+    constexpr double shortest = 1e-8;  // of a passage: values are not known more exactly
+    return {known, stretch, from, to, to - from < shortest};
+  }
+
+  /// Adds a piece, or its halves where it has much of the wanted width by itself.
+  void look(std::size_t stretch, double from, double to, Sight& sight) const {
+    const double front = sight.transmittance.upper(), middle = 0.5 * (from + to);
+    const Piece piece = piece_of(sight, stretch, from, to, front);
+    constexpr double much = 0.3;
+    if (piece.settled || sight.pieces_left <= 0 || front * piece.known.width() <= much * width_) {
       sight.add(piece);
       return;
     }
-    refine(medium, passage, a, middle, sight);
+    look(stretch, from, middle, sight);
     if (hidden(sight)) return;
-    refine(medium, passage, middle, b, sight);
+    look(stretch, middle, to, sight);
+  }
+
+  /// Halves the pieces that are widest as seen: so many that what the others leave open is within what is
+  /// wanted. Returns false when nothing would help.
+  bool sharpen(Sight& sight, double width_seen) const {
+    std::vector<double> widths, open;
+    double front = 1, sum = 0, settled = 0;
+    for (const Piece& piece : sight.pieces) {
+      const double width = widths.emplace_back(front * piece.known.width());
+      sum += width;
+      piece.settled ? settled += width : open.emplace_back(width);
+      front *= piece.known.transmittance.upper();
+    }
+    std::sort(open.begin(), open.end());
+    // Widths add up to more than what is seen: colours behind are like those in front.
+    constexpr double aim = 0.9, least_share = 0.125;
+    double left = std::max(aim * width_ / width_seen * sum - settled, least_share * width_);
+    const auto first =
+        std::find_if(open.begin(), open.end(), [&](double width) { return (left -= width) < 0; });
+    if (first == open.end() || sight.pieces_left <= 0) return false;
+    const std::vector<Piece> before = std::exchange(sight.pieces, {});
+    sight.transmittance = 1;
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      const auto& [known, stretch, from, to, cannot] = before[k];
+      if (cannot || widths[k] < *first || sight.pieces_left <= 0) {
+        sight.add(before[k]);
+        continue;
+      }
+      const double middle = 0.5 * (from + to);
+      sight.add(piece_of(sight, stretch, from, middle, sight.transmittance.upper()));
+      sight.add(piece_of(sight, stretch, middle, to, sight.transmittance.upper()));
+    }
+    return true;
   }
 
   /// A passage of which only what is near it is known.

@@ -16,8 +16,8 @@ struct EnclosedPiece {
   std::optional<std::array<Interval, 3>> mean_of = std::nullopt;
 
   double width() const {
-    double most = boost::numeric::width(transmittance);
-    for (const Interval& c : colour) most = std::max(most, boost::numeric::width(c));
+    double most = truth::width(transmittance);
+    for (const Interval& c : colour) most = std::max(most, truth::width(c));
     return most;
   }
 };

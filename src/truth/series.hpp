@@ -53,10 +53,11 @@ template <int N>
 Series<N> log_of(const Series<N>& a) {
   Series<N> l;
   l[0] = log_of(a[0]);
+  const Interval inverse = Interval(1) / a[0];
   for (int k = 1; k <= N; ++k) {
     Interval sum = 0;
     for (int j = 1; j < k; ++j) sum += double(j) * l[j] * a[k - j];
-    l[k] = (a[k] - sum / double(k)) / a[0];
+    l[k] = (a[k] - sum / double(k)) * inverse;
   }
   return l;
 }
@@ -66,9 +67,10 @@ template <int N>
 Series<N> power(const Series<N>& a, double exponent) {
   Series<N> p;
   p[0] = power(a[0], exponent);
+  const Interval inverse = Interval(1) / a[0];
   for (int k = 1; k <= N; ++k) {
     for (int j = 1; j <= k; ++j) p[k] += (Interval(exponent) * double(j) - double(k - j)) * a[j] * p[k - j];
-    p[k] /= double(k) * a[0];
+    p[k] *= inverse / double(k);
   }
   return p;
 }
@@ -97,7 +99,7 @@ Series<N> series_of(const Polynomial& p, const Interval& place, double reach) {
     for (int k = 0; k <= std::min(N, 3); ++k) s[k] = q[std::size_t(k)];
     return s;
   }
-  const Interval v = within(reach), square{0, OutwardRounding::up(reach * reach)}, cube = v * square;
+  const Interval v = within(reach), square{0, Interval::up(reach * reach)}, cube = v * square;
   s[0] = with_product(with_product(with_product(q[0], q[1], v), q[2], square), q[3], cube);
   if constexpr (N >= 1) s[1] = q[1] + 2.0 * q[2] * v + 3.0 * q[3] * square;
   if constexpr (N >= 2) s[2] = q[2] + 3.0 * q[3] * v;

@@ -155,7 +155,7 @@ namespace {
 bool tells_apart(const Case& c, const FrameSpec& spec, const std::function<void(truth::Scene&)>& change) {
   const auto pixels = random_pixels(size, size, 80, 5);
   truth::Scene scene = scene_of(c.volume, spec);
-  const auto bounds = truth::certified_bounds(scene, pixels, 2e-8);
+  const auto bounds = truth::certified_bounds(scene, pixels, 5e-9);
   change(scene);
   return outside(bounds, truth::field_truth(scene, pixels, 1e-10), 0) > 0;
 }
@@ -186,7 +186,7 @@ TEST_CASE("certified bounds tell scenes apart that differ by a millionth") {
   changed("ambient light", [](auto& s) { s.frame.shown.material.ambient += millionth; });
   changed("diffuse light", [](auto& s) { s.frame.shown.material.diffuse += millionth; });
   changed("specular light", [](auto& s) { s.frame.shown.material.specular += 3 * millionth; });
-  changed("exponent", [](auto& s) { s.frame.shown.material.exponent += 24 * millionth; });
+  changed("exponent", [](auto& s) { s.frame.shown.material.exponent += 240 * millionth; });
   changed("direction of light", [](auto& s) { s.frame.shown.light.x += millionth; });
 }
 
