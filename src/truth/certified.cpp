@@ -225,6 +225,9 @@ class Certifier : Tracer {
     const double extra = passage.beside > 0 ? 3 * passage.beside * width(values_) : 0;
     if (!curve_.visible(values->low - extra, values->high + extra)) return;
     sight.stretches.push_back({medium_of(ray, passage, *values, extra), passage.length});
+    const auto line = [&](double value) { return lines_.line_of(value); };
+    if (line(values->low - extra) == line(values->high + extra))
+      return look(sight.stretches.size() - 1, 0, 1, sight);
     const auto value_at = [&](double part) {
       return median(series_of<0>(sight.stretches.back().medium.value, Interval(part), 0)[0]);
     };

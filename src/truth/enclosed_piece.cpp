@@ -44,8 +44,7 @@ Densities<N> densities(const CellMedium& medium, const Extremes& e, const Enclos
   };
   Densities<N> made;
   made.depth = extinction_of(of_curve(EnclosedCurve::opacity)) * part.passage_length;
-  const Series<N> depth = integral(made.depth, made.depth[0] * within(reach));
-  const Series<N> seen = made.depth * exp_of(depth * Interval(-1));
+  const Series<N> seen = seen_through_itself(made.depth, made.depth[0] * within(reach));
   EnclosedLight::Light<N> light;
   if (medium.light) light = medium.light->series<N>(e.light.kind, part.middle, reach);
   for (std::size_t c = 0; c < 3; ++c) {
@@ -74,23 +73,30 @@ void widen(EnclosedPiece& piece, const Extremes& e, const std::array<double, Enc
   }
 }
 
+/// Integrals of powers from 0 to half.
+using Powers = std::array<Interval, order + 1>;
+
+Powers powers_of(const Interval& half) {
+  Powers all;
+  Interval power = half;
+  for (int k = 0; k <= order; ++k, power *= half) all[std::size_t(k)] = power / double(k + 1);
+  return all;
+}
+
 /// Of a density from −half to half.
-Interval both_sides(const Series<order - 1>& density, const Interval& rest, const Interval& half) {
-  Interval sum = 0, power = half;
-  for (int k = 0; k < order; k += 2) {
-    sum += 2.0 * power * density[k] / double(k + 1);
-    power *= half * half;
-  }
-  return sum + 2.0 * power * rest / double(order + 1);
+Interval both_sides(const Series<order - 1>& density, const Interval& rest, const Powers& powers) {
+  Interval sum = powers[order] * rest;
+  for (int k = 0; k < order; k += 2) sum += powers[std::size_t(k)] * density[k];
+  return 2.0 * sum;
 }
 /// Of a density from −half to 0.
-Interval front_side(const Series<order - 1>& density, const Interval& rest, const Interval& half) {
-  Interval sum = 0, power = half;
+Interval front_side(const Series<order - 1>& density, const Interval& rest, const Powers& powers) {
+  Interval sum = powers[order] * rest;
   for (int k = 0; k < order; ++k) {
-    sum += power * density[k] / (k % 2 == 0 ? k + 1.0 : -(k + 1.0));
-    power *= half;
+    const Interval term = powers[std::size_t(k)] * density[k];
+    sum += k % 2 == 0 ? term : -term;
   }
-  return sum + power * rest / double(order + 1);
+  return sum;
 }
 
 }  // namespace
@@ -144,11 +150,12 @@ std::optional<EnclosedPiece> expanded(const EnclosedCurve& lines, const CellMedi
   if (!(clear > 0) || !(line.at(EnclosedCurve::opacity, e.value).upper() < 1)) return std::nullopt;
   const auto rest = densities<order>(medium, e, line, part, part.reach());
   const auto exact = densities<order - 1>(medium, e, line, part, 0);
+  const Powers powers = powers_of(part.half);
   EnclosedPiece piece;
-  piece.transmittance = exp_of(-both_sides(exact.depth, rest.depth[order], part.half));
-  const Interval before = exp_of(-front_side(exact.depth, rest.depth[order], part.half));
+  piece.transmittance = exp_of(-both_sides(exact.depth, rest.depth[order], powers));
+  const Interval before = exp_of(-front_side(exact.depth, rest.depth[order], powers));
   for (std::size_t c = 0; c < 3; ++c)
-    piece.colour[c] = before * both_sides(exact.emission[c], rest.emission[c][order], part.half);
+    piece.colour[c] = before * both_sides(exact.emission[c], rest.emission[c][order], powers);
   widen(piece, e, off, clear, part);
   return piece;
 }

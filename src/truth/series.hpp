@@ -37,27 +37,18 @@ Series<N> one_minus(Series<N> a) {
   return a;
 }
 
-template <int N>
-Series<N> exp_of(const Series<N>& a) {
-  Series<N> e;
-  e[0] = exp_of(a[0]);
-  for (int k = 1; k <= N; ++k) {
-    for (int j = 1; j <= k; ++j) e[k] += double(j) * a[j] * e[k - j];
-    e[k] /= double(k);
-  }
-  return e;
-}
-
 /// a[0] is above zero.
 template <int N>
 Series<N> log_of(const Series<N>& a) {
   Series<N> l;
   l[0] = log_of(a[0]);
   const Interval inverse = Interval(1) / a[0];
+  Series<N> slope;  // k · l[k]
   for (int k = 1; k <= N; ++k) {
     Interval sum = 0;
-    for (int j = 1; j < k; ++j) sum += double(j) * l[j] * a[k - j];
-    l[k] = (a[k] - sum / double(k)) * inverse;
+    for (int j = 1; j < k; ++j) sum += slope[j] * a[k - j];
+    slope[k] = (double(k) * a[k] - sum) * inverse;
+    l[k] = slope[k] / double(k);
   }
   return l;
 }
@@ -75,13 +66,17 @@ Series<N> power(const Series<N>& a, double exponent) {
   return p;
 }
 
-/// The integral from where the series was made, where it is `start`.
+/// What a density emits as seen from where the series was made, before which its integral is `start`: density
+/// · exp(−integral), whose own integral is −exp(−integral).
 template <int N>
-Series<N> integral(const Series<N>& a, const Interval& start) {
-  Series<N> sum;
-  sum[0] = start;
-  for (int k = 1; k <= N; ++k) sum[k] = a[k - 1] / double(k);
-  return sum;
+Series<N> seen_through_itself(const Series<N>& density, const Interval& start) {
+  Series<N> seen, left;
+  left[0] = exp_of(-start);
+  for (int k = 0; k <= N; ++k) {
+    for (int j = 0; j <= k; ++j) seen[k] += density[j] * left[k - j];
+    if (k < N) left[k + 1] = -seen[k] / double(k + 1);
+  }
+  return seen;
 }
 
 /// A polynomial of degree three of the place on a ray, over [0, 1].
