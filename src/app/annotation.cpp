@@ -205,6 +205,13 @@ void add_legend(Sheet& sheet, const std::vector<DrawnChannel>& channels) {
 
 }  // namespace
 
+Overlay colour_bar(int width, int height, const TransferFunction& tf, const DataRange& span,
+                   const std::string& quantity) {
+  Sheet sheet(width, height, false);
+  add_colour_bar(sheet, 0.6 * height, tf, span, quantity);
+  return sheet.take();
+}
+
 double round_length(double most) {
   const double power = std::pow(10, std::floor(std::log10(most)));
   for (const double digit : {10.0, 5.0, 2.0, 1.0})

@@ -35,6 +35,10 @@ class Annotation {
   std::vector<DrawnChannel> channels_;
 };
 
+/// For a picture of this size: what colours over `span` mean, at its right side.
+Overlay colour_bar(int width, int height, const TransferFunction& tf, const DataRange& span,
+                   const std::string& quantity);
+
 /// 1, 2 or 5 times a power of ten: the largest that is at most `most`, which is above 0.
 double round_length(double most);
 

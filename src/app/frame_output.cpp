@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/error_map.hpp"
 #include "app/stats_output.hpp"
 #include "app/views.hpp"
 #include "base/child_program.hpp"
@@ -125,7 +126,7 @@ std::vector<Judged> FrameOutput::judge() {
   std::vector<Judged> judged;
   for (KeptFrame& kept : kept_) {
     if (kept.error) continue;
-    judged.push_back({kept.frame.result.spec, kept.frame.file.string(), error_of(kept).rmse()});
+    judged.push_back({kept.frame.result.spec, kept.frame.file.string(), error_of(kept).held()});
   }
   truth_.reset();
   return judged;
@@ -158,6 +159,9 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   else if (written)
     write_image(result.image, file, options_.background,
                 picture_settings(result.spec, volume, options_.annotate, job_.channels, error), overlay);
+  if (error != nullptr && !options_.error.map.empty())
+    write_error_map(*error, result.image, map_file(options_, std::size_t(result.spec.frame)),
+                    picture_settings(result.spec, volume, false, job_.channels, error));
   const NodeStats sum = result.stats.total();
   warn(label, drawn ? why_empty(result, range) : std::string(), empty_frames_);
   warn(label, drawn ? why_nearly_empty(result) : std::string(), nearly_empty_frames_);
@@ -236,9 +240,20 @@ void FrameOutput::add_to_film(const Image& image, const Overlay& overlay) {
   film_->add(film_pictures_++, image_bytes(image, ".png", background, {}, overlay));
 }
 
-fs::path output_file(const RenderOptions& options, std::size_t view) {
+namespace {
+
+fs::path file_of(const std::string& name, const RenderOptions& options, std::size_t view) {
   const bool several = options.orbit > 0 || !options.path.empty() || options.frames;
-  return several && !names_film(options.output) ? numbered(options.output, view) : fs::path(options.output);
+  return several && !names_film(name) ? numbered(name, view) : fs::path(name);
+}
+
+}  // namespace
+
+fs::path output_file(const RenderOptions& options, std::size_t view) {
+  return file_of(options.output, options, view);
+}
+fs::path map_file(const RenderOptions& options, std::size_t view) {
+  return file_of(options.error.map, options, view);
 }
 
 std::vector<Camera> views_of(const RenderOptions& o) {

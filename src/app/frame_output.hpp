@@ -147,6 +147,8 @@ std::string why_nearly_empty(const FrameResult& result);
 /// The file of a view's picture: the output itself, or a numbered file when there may be several. `view`
 /// counts from 0.
 std::filesystem::path output_file(const RenderOptions& options, std::size_t view);
+/// That of the map of its errors.
+std::filesystem::path map_file(const RenderOptions& options, std::size_t view);
 
 /// The run's views that are known beforehand: one, an orbit or a path; none when they come on stdin. Throws
 /// InputError for a path that cannot be read.

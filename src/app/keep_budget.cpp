@@ -39,6 +39,7 @@ MeasuredShortcuts choose(const std::vector<MeasuredShortcuts>& measured, const E
                          const FrameSpec& frame) {
   if (const auto chosen = cheapest_within(measured, *o.max_error)) return measured[*chosen];
   const MeasuredShortcuts& best = measured[most_exact(measured)];
+  if (o.guarantee) return best;
   throw InputError(fmt::format("this scene cannot keep --max-error {:g}: the most exact setting, {}, has "
                                "{:.3g}/255 rms (95 %: up to {:.3g})",
                                *o.max_error, to_text(best.shortcuts), best.rmse, best.rmse_high),
@@ -115,21 +116,27 @@ bool hold_budget(Job& job, const Gallery& gallery, Progress& progress, Launch& l
   for (int attempt = 1;; ++attempt) {
     std::vector<FrameSpec> again;
     launch.check_on_rank_0([&] {
-      for (const auto& [spec, name, rmse] : gallery.judge()) {
-        if (rmse <= budget) continue;
+      for (const auto& [spec, name, error] : gallery.judge()) {
+        if (error <= budget) continue;
         std::optional<Shortcuts> other;
-        if (attempt <= attempts)
-          other = more_exact(job.measured, shortcuts_of(spec), rmse, budget, attempt == attempts);
+        if (attempt <= attempts && !job.options.budget.guarantee)
+          other = more_exact(job.measured, shortcuts_of(spec), error, budget, attempt == attempts);
         if (other) {
           progress.print(
-              fmt::format("{}: {:.3g}/255 rms, so it is drawn again with {}", name, rmse, to_text(*other)));
+              fmt::format("{}: {:.3g}/255 rms, so it is drawn again with {}", name, error, to_text(*other)));
           again.push_back(with(spec, *other));
           continue;
         }
         held = false;
         progress.clear();
-        log_warning("{} breaks --max-error {:g}: {:.3g}/255 rms with the most exact setting; hint: {}", name,
-                    budget, rmse, hint_for(job.options.budget, spec, rmse));
+        if (job.options.budget.guarantee)
+          log_warning(
+              "{} is not proved within --max-error {:g}: some pixel may err {:.3g}/255, half of what its "
+              "bounds leave open; hint: allow --max-error {:.2g}",
+              name, budget, error, 1.1 * error);
+        else
+          log_warning("{} breaks --max-error {:g}: {:.3g}/255 rms with the most exact setting; hint: {}",
+                      name, budget, error, hint_for(job.options.budget, spec, error));
       }
     });
     if (!launch.of_rank_0(!again.empty())) break;

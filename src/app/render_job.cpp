@@ -62,12 +62,20 @@ void check_outputs(const RenderOptions& o) {
     names_film(o.output) ? check_film(o) : check_image_name(o.output, "-o", !o.background);
     check_can_write(o.output, "-o");
   }
+  if (!o.error.map.empty()) {
+    check_image_name(o.error.map, "--error-map", true);
+    check_can_write(o.error.map, "--error-map");
+    static_cast<void>(text_mask("0", 12));  // the scale's letters
+  }
   if (!o.stats.empty()) check_can_write_text(o.stats, "--stats");
   if (!o.trace.empty()) check_can_write_text(o.trace, "--trace");
   if (!o.transfer_function_out.empty()) check_can_write_text(o.transfer_function_out, "--tf-out");
-  refuse_clashes(
-      {{"-o", o.output}, {"--stats", o.stats}, {"--trace", o.trace}, {"--tf-out", o.transfer_function_out}},
-      {{"the volume", o.volume.path}, {"--path", o.path}, {"--tf", o.transfer_function}});
+  refuse_clashes({{"-o", o.output},
+                  {"--error-map", o.error.map},
+                  {"--stats", o.stats},
+                  {"--trace", o.trace},
+                  {"--tf-out", o.transfer_function_out}},
+                 {{"the volume", o.volume.path}, {"--path", o.path}, {"--tf", o.transfer_function}});
 }
 
 /// Finds everything wrong with a frame before a voxel is read.
@@ -208,7 +216,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   job.load = load_options(o, agree_on_axes(o, job.cameras, grid, launch));
   settle_layout(job, pictures_at_once(job, job.cameras.size()), 1, launch);
   launch.check_on_rank_0([&] {
-    if (!o.output.empty()) require_image_library();
+    if (!o.output.empty() || !o.error.map.empty()) require_image_library();
   });
   if (!view_note.empty()) log_info("{}", view_note);
   return job;

@@ -34,6 +34,7 @@ inline json to_json(const MeasuredError& m) {
     const Certificate& c = *m.certificate;
     all.update(
         {{"largest_low", c.least}, {"widest", c.widest}, {"proved", c.proved}, {"proved_within", c.limits}});
+    if (c.replaced) all["replaced"] = *c.replaced;
   }
   return all;
 }

@@ -40,11 +40,19 @@ void add_error_options(OptionList& list, RenderOptions& o) {
        "Pixels at which the truth is evaluated, drawn at random where the volume may show",
        value(o.error.pixels, {1, std::size_t(1) << 30})},
       {"--error-seed", nullptr, initial, "Seed of that draw", value(o.error.seed)},
+      {"--error-map", "FILE", nullptr,
+       "A picture of each pixel's error, with certified of what it surely does not exceed; at all pixels "
+       "unless --error-pixels says how many",
+       value(o.error.map), Mark::of_program},
       {"--max-error", "RMSE", nullptr,
        "Choose the cheapest --opaque-threshold, --precision, --radius, --slabs, --light-points, "
        "--image-plane and --undersample whose RMSE against the method's truth stays within this, in 1/255; "
        "with --error field or certified against the field's, and --engine, too; those given are kept",
        parsed(o.budget.max_error, parse_error)},
+      {"--guarantee", nullptr, nullptr,
+       "Prove that every pixel errs at most --max-error: those that may err more become the middle of their "
+       "bounds",
+       flag(o.budget.guarantee)},
   };
 }
 
@@ -105,6 +113,8 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
     throw InputError("--error certified has bounds for --mode composite alone",
                      "use --error field: other modes' truths are closed forms");
   if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
+  o.error.all = o.budget.guarantee || (!o.error.map.empty() && !list.is_given("--error-pixels"));
+  if (o.budget.guarantee) o.error.guaranteed = o.budget.max_error;
   o.budget.to_field = o.budget.max_error && *o.error.truth != TruthKind::method;
   // A method's truth is its own, so that only the field's tells which engine is nearer.
   if (o.budget.to_field && !engine_is_chosen(list)) {

@@ -123,10 +123,15 @@ struct ErrorOptions {
   std::optional<TruthKind> truth;  ///< nothing: measure nothing
   std::size_t pixels = 4096;       ///< pixels at which the truth is evaluated
   std::uint64_t seed = 1;
+  bool all = false;      ///< pictures, though no calibrations, are measured at all pixels
+  std::string map = {};  ///< the file of a picture of the errors; empty: none
+  std::optional<double> guaranteed =
+      {};  ///< of certified pictures: what errs more becomes the truth, in 1/255
 };
 
 struct ErrorBudgetOptions {
   std::optional<double> max_error;   ///< RMSE in 1/255 against the chosen truth; nothing: choose nothing
+  bool guarantee = false;            ///< each pixel is to be proved within it
   std::set<std::string> fixed = {};  ///< the options of settings that the user gave, so they are not chosen
   bool to_field = false;             ///< the error is against the field's truth or bounds, not the method's
   /// What the same options mean for the other engine, where the engine is to be chosen, too.

@@ -254,22 +254,52 @@ SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const
 
 namespace {
 
+truth::Rgba colour_of(const float* pixel) { return {pixel[0], pixel[1], pixel[2], pixel[3]}; }
+
+double largest_error(const truth::Rgba& colour, const truth::PixelBounds& bounds) {
+  const truth::Rgba far = bounds.farthest_from(colour);
+  double most = 0;
+  for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(truth::levels_apart(colour[c], far[c])));
+  return most;
+}
+
+/// Pixels that may err more than `most` become the middle of their bounds. Returns how many.
+std::size_t replace_unproved(Image& image, const truth::PixelSample& sample,
+                             std::span<const truth::PixelBounds> bounds, double most) {
+  std::size_t replaced = 0;
+  const auto look = [&](truth::Pixel at, const truth::PixelBounds& proved) {
+    float* const pixel = image.pixel(at.x, at.y);
+    if (largest_error(colour_of(pixel), proved) <= most) return;
+    const truth::Rgba middle = proved.middle();
+    for (int c = 0; c < 4; ++c) pixel[c] = float(middle[c]);
+    ++replaced;
+  };
+  for (const truth::Pixel at : truth::all_pixels(image.width, image.height))
+    if (!sample.bounds.rows[std::size_t(at.y)].contains(at.x)) look(at, {truth::Rgba(0.0), truth::Rgba(0.0)});
+  for (std::size_t p = 0; p < bounds.size(); ++p) look(sample.pixels[p], bounds[p]);
+  return replaced;
+}
+
+/// Pixels at which a picture is measured, at most.
+std::size_t pixels_of(const Image& image, const ErrorOptions& options) {
+  return options.all ? image.rgba.size() / 4 : options.pixels;
+}
+
 /// By bounds in place of a truth. The estimate is that of their middles.
-MeasuredError measure_certified(const Image& image, const truth::Scene& scene, const ErrorOptions& options) {
-  const auto sample = truth::draw_sample(image, truth::field_bounds(scene), options.pixels, options.seed);
+MeasuredError measure_certified(Image& image, const truth::Scene& scene, const ErrorOptions& options) {
+  const auto sample =
+      truth::draw_sample(image, truth::field_bounds(scene), pixels_of(image, options), options.seed);
   const auto bounds = truth::certified_bounds(scene, sample.pixels, certified_width(scene));
   std::vector<truth::Rgba> near, middle, far;
   Certificate certificate;
+  if (options.guaranteed) certificate.replaced = replace_unproved(image, sample, bounds, *options.guaranteed);
   for (std::size_t p = 0; p < bounds.size(); ++p) {
-    const float* pixel = image.pixel(sample.pixels[p].x, sample.pixels[p].y);
-    const truth::Rgba colour(pixel[0], pixel[1], pixel[2], pixel[3]);
+    const truth::Rgba colour = colour_of(image.pixel(sample.pixels[p].x, sample.pixels[p].y));
     near.push_back(bounds[p].nearest_to(colour));
     middle.push_back(bounds[p].middle());
     far.push_back(bounds[p].farthest_from(colour));
     certificate.widest = std::max(certificate.widest, truth::levels * bounds[p].width());
-    double error = 0;
-    for (int c = 0; c < 4; ++c)
-      error = std::max(error, std::abs(truth::levels_apart(colour[c], far.back()[c])));
+    const double error = largest_error(colour, bounds[p]);
     for (std::size_t k = 0; k < certificate.limits.size(); ++k)
       certificate.proved[k] += error <= certificate.limits[k] ? 1 / double(bounds.size()) : 0;
   }
@@ -281,7 +311,9 @@ MeasuredError measure_certified(const Image& image, const truth::Scene& scene, c
   error.rmse_high = most.rmse_high;
   error.largest = most.largest;
   error.worst = most.worst;
-  return {TruthKind::certified, options.seed, error, 0, certificate};
+  MeasuredError measured{TruthKind::certified, options.seed, error, 0, certificate};
+  if (!options.map.empty()) measured.by_pixel = truth::errors_by_pixel(image, sample, far);
+  return measured;
 }
 
 }  // namespace
@@ -291,27 +323,33 @@ TruthKind calibrating_truth(const ErrorOptions& options) {
   return truth == TruthKind::certified ? TruthKind::field : truth;
 }
 
-MeasuredError measure(const Image& image, const truth::Scene& scene, const ErrorOptions& options) {
+MeasuredError measure(Image& image, const truth::Scene& scene, const ErrorOptions& options) {
   const double start = now_seconds();
+  MeasuredError measured{*options.truth, options.seed, {}, 0};
   if (options.truth == TruthKind::certified) {
-    MeasuredError measured = measure_certified(image, scene, options);
-    measured.seconds = now_seconds() - start;
-    return measured;
+    measured = measure_certified(image, scene, options);
+  } else {
+    const auto [sample, colours] =
+        sample_truth(image, scene, {*options.truth}, pixels_of(image, options), options.seed);
+    measured.error = truth::sampled_error(image, sample, colours);
+    if (!options.map.empty()) measured.by_pixel = truth::errors_by_pixel(image, sample, colours);
   }
-  const auto [sample, colours] = sample_truth(image, scene, {*options.truth}, options.pixels, options.seed);
-  return {*options.truth, options.seed, truth::sampled_error(image, sample, colours), now_seconds() - start};
+  measured.seconds = now_seconds() - start;
+  return measured;
 }
 
 std::string to_text(const MeasuredError& m) {
   if (m.certificate) {
     const Certificate& c = *m.certificate;
+    const std::string replaced =
+        c.replaced ? fmt::format("; {} pixels replaced by the middle of their bounds", *c.replaced) : "";
     return fmt::format(
         "error certified against the field: at most {:.4g}/255 (somewhere at least {:.4g}), {:.4g} to {:.4g} "
         "rms; "
         "proved within 0.5, 1 and 2: {:.4g}, {:.4g} and {:.4g} %; bounds at most {:.3g} wide; {} pixels in "
-        "{:.2f} s",
+        "{:.2f} s{}",
         m.error.largest, c.least, m.error.rmse_low, m.error.rmse_high, 100 * c.proved[0], 100 * c.proved[1],
-        100 * c.proved[2], c.widest, m.error.pixels, m.seconds);
+        100 * c.proved[2], c.widest, m.error.pixels, m.seconds, replaced);
   }
   return fmt::format(
       "error against the {}'s truth: {:.4g}/255 rms (95 %: {:.4g} to {:.4g}), largest {:.4g}, mean {:+.3g}; "

@@ -48,7 +48,7 @@ struct MeasuredShortcuts {
 struct Judged {
   FrameSpec spec;
   std::string name;
-  double rmse;  ///< in 1/255
+  double error;  ///< what a budget is held by, in 1/255
 };
 
 /// Index of the cheapest setting whose interval's upper end is within `max_error`. Times within 3 % of the
@@ -100,6 +100,7 @@ struct Certificate {
   double widest = 0;               ///< of the bounds
   std::array<double, 3> proved{};  ///< the shares of pixels that err at most as much as `limits`
   static constexpr std::array<double, 3> limits{0.5, 1, 2};
+  std::optional<std::size_t> replaced = std::nullopt;  ///< pixels, to keep a guarantee, by bounds' middles
 };
 
 struct MeasuredError {
@@ -109,12 +110,17 @@ struct MeasuredError {
   double seconds;  ///< spent on the truth
   /// Then `error.largest` and, of all pixels, `error.rmse_high` are surely not exceeded.
   std::optional<Certificate> certificate = std::nullopt;
-  /// What a budget is held by.
-  double rmse() const { return certificate ? error.rmse_high : error.rmse; }
+  std::vector<float> by_pixel = {};  ///< for a map (truth::errors_by_pixel)
+  /// What a budget is held by: RMSE, or what a guarantee is of, the largest error.
+  double held() const {
+    if (!certificate) return error.rmse;
+    return certificate->replaced ? error.largest : error.rmse_high;
+  }
 };
 /// Settings are compared by estimates, also where pictures are then certified.
 TruthKind calibrating_truth(const ErrorOptions& options);
-MeasuredError measure(const Image& image, const truth::Scene& scene, const ErrorOptions& options);
+/// Changes the picture only where options ask for a guarantee.
+MeasuredError measure(Image& image, const truth::Scene& scene, const ErrorOptions& options);
 
 /// "error against the method's truth: 0.0021/255 rms (95 %: 0.0019 to 0.0023), …".
 std::string to_text(const MeasuredError& error);

@@ -177,6 +177,19 @@ SampledError sampled_error(const Image& image, const PixelSample& sample, std::s
   return error;
 }
 
+std::vector<float> errors_by_pixel(const Image& image, const PixelSample& sample,
+                                   std::span<const Rgba> truth) {
+  std::vector<float> errors(image.rgba.size() / 4, std::numeric_limits<float>::quiet_NaN());
+  const auto see = [&](Pixel at, const Rgba& colour) {
+    errors[std::size_t(at.y) * std::size_t(image.width) + std::size_t(at.x)] =
+        float(difference(image.pixel(at.x, at.y), colour).largest);
+  };
+  for (const Pixel at : all_pixels(image.width, image.height))
+    if (!sample.bounds.rows[std::size_t(at.y)].contains(at.x)) see(at, Rgba(0.0));
+  for (std::size_t p = 0; p < truth.size(); ++p) see(sample.pixels[p], truth[p]);
+  return errors;
+}
+
 double ErrorFigures::psnr() const { return 20 * std::log10(levels / rmse); }
 
 ImageError compare(const Image& image, const Image& truth, int channels, double threshold) {

@@ -52,6 +52,10 @@ struct SampledError {
 /// picture that is not finite makes its RMSE infinite, sampled or not.
 SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth);
 
+/// Each pixel's largest difference, row by row; not a number where it is not known.
+std::vector<float> errors_by_pixel(const Image& image, const PixelSample& sample,
+                                   std::span<const Rgba> truth);
+
 /// Levels of an 8-bit picture. All differences are in units of one level.
 constexpr double levels = 255;
 

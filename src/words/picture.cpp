@@ -131,7 +131,7 @@ truth::Scene read_scene(const app::VolumeOptions& volume, const Hooks& hooks) {
   return scene;
 }
 
-app::MeasuredError measured(const Picture& picture, truth::Scene& scene, const app::ErrorOptions& error) {
+app::MeasuredError measured(Picture& picture, truth::Scene& scene, const app::ErrorOptions& error) {
   scene.frame = picture.spec;
   scene.frame.how = picture.asked;
   return app::measure(picture.image, scene, error);
@@ -187,7 +187,7 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
       picture.error = measured(picture, truth, o.error);
       picture.settings = app::picture_settings(picture.spec, o.volume.path, o.annotate, {}, &*picture.error);
       const std::string name = fmt::format("picture {}", picture.spec.frame);
-      judged.push_back({picture.spec, name, picture.error->rmse()});
+      judged.push_back({picture.spec, name, picture.error->held()});
     }
     return judged;
   };
@@ -208,7 +208,8 @@ app::MeasuredError measure(const Picture& picture, const app::VolumeOptions& vol
     throw InputError("a picture of several channels has no error", "draw one channel by itself");
   const PlainFloats floats;
   truth::Scene scene = read_scene(polled(volume, hooks), hooks);
-  return measured(picture, scene, error);
+  Picture same = picture;
+  return measured(same, scene, error);
 }
 
 }  // namespace ringsplat::words

@@ -120,6 +120,69 @@ TEST_CASE("a certificate holds what is measured, on any ranks", "[mpi]") {
   CHECK(rmse_of(w, "middle.exr", "field.exr") < 0.05);
 }
 
+TEST_CASE("a guarantee holds for every pixel, on any ranks", "[mpi]") {
+  const Workshop w;
+  w.must(w.view("reference", "field.exr"));
+  const std::vector<std::string> proved{"--error", "certified", "--max-error", "0.6", "--guarantee"};
+  for (const int ranks : {0, 3}) {
+    const Ended ended = w.must(with(w.view("render", "picture.exr"), proved), ranks);
+    CHECK_THAT(ended.out, Catch::Matchers::Contains("pixels replaced"));
+    const json error = json::parse(read_image(w / "picture.exr").settings).at("error");
+    CHECK(error.at("replaced") > 0);
+    CHECK(error.at("largest") <= 0.6);
+    CHECK(error.at("pixels").get<int>() + error.at("outside").get<int>() == 64 * 48);
+    const json apart = json::parse(w.must({"compare", w / "picture.exr", w / "field.exr", "--json"}).out);
+    CHECK(apart.at("largest") <= 0.6);
+  }
+  // Bounds are not as narrow as this.
+  const std::vector<std::string> too_much{"--error", "certified", "--max-error", "1e-5", "--guarantee"};
+  const Ended ended = run_program(with(w.view("render", "most.exr"), too_much), 3);
+  CHECK(ended.code == 1);
+  CHECK_THAT(ended.err, Catch::Matchers::Contains("not proved within --max-error 1e-05") &&
+                            Catch::Matchers::Contains("hint:"));
+  CHECK(rmse_of(w, "most.exr", "field.exr") < 0.05);
+}
+
+TEST_CASE("a map shows where a picture errs", "[mpi]") {
+  const Workshop w;
+  const std::vector<std::string> mapped{"--error", "field", "--error-map", w / "map.exr"};
+  const auto opaque = [&] {
+    const Image map = read_image(w / "map.exr").image;
+    std::size_t count = 0;
+    for (std::size_t k = 3; k < map.rgba.size(); k += 4) count += map.rgba[k] == 1;
+    return count;
+  };
+  for (const int ranks : {0, 3}) {
+    w.must(with(w.view("render", "picture.exr"), mapped), ranks);
+    CHECK(opaque() == 64 * 48);
+    const StoredImage map = read_image(w / "map.exr");
+    const json settings = json::parse(map.settings);
+    const double most = settings.at("error").at("largest"), top = settings.at("error_map").at("to");
+    CHECK((top > 0.1 * most && top < 2.6 * most));
+    // Green grows with the error up to the end of the scale.
+    w.must(with(w.view("reference", "field.exr"), {}));
+    const Image picture = read_image(w / "picture.exr").image, field = read_image(w / "field.exr").image;
+    std::vector<std::pair<double, float>> pixels;
+    for (std::size_t p = 0; p < picture.rgba.size(); p += 4) {
+      double error = 0;
+      for (std::size_t c = p; c < p + 4; ++c)
+        error = std::max(error, 255 * std::abs(double(picture.rgba[c]) - double(field.rgba[c])));
+      if (error < top) pixels.emplace_back(error, map.image.rgba[p + 1]);
+    }
+    std::sort(pixels.begin(), pixels.end());
+    std::size_t fallen = 0;
+    for (std::size_t k = 1; k < pixels.size(); ++k) fallen += pixels[k].second < pixels[k - 1].second - 0.01F;
+    CHECK(fallen == 0);
+    CHECK(pixels.back().second > pixels.front().second + 0.1F);
+  }
+  w.must(with(with(w.view("render", "picture.exr"), mapped), {"--error-pixels", "50"}));
+  const json error = json::parse(read_image(w / "map.exr").settings).at("error");
+  CHECK(error.at("pixels") == 50);
+  CHECK(opaque() == 50 + error.at("outside").get<std::size_t>());
+  w.must(with(with(w.view("render", "picture.exr"), mapped), {"--orbit", "2", "--error-pixels", "50"}));
+  CHECK(fs::exists(w / "map-0001.exr"));
+}
+
 TEST_CASE("an orbit's frames are each measured", "[mpi]") {
   const Workshop w;
   const Ended ended = w.must(
@@ -136,6 +199,11 @@ TEST_CASE("truths that cannot be are refused with the way out") {
       {with(w.view("reference", "x.exr"), {"--formula", "ball"}), "no effect"},
       {with(w.view("reference", "x.exr"), {"--truth", "gut"}), "gut"},
       {with(w.view("render", "x.exr"), {"--error", "analytic"}), "formula"},
+      {with(w.view("render", "x.exr"), {"--guarantee", "--error", "certified"}), "--max-error"},
+      {with(w.view("render", "x.exr"), {"--guarantee", "--error", "field", "--max-error", "1"}),
+       "--error certified"},
+      {with(w.view("render", "x.exr"), {"--error-map", w / "map.png"}), "--error"},
+      {with(w.view("render", "x.exr"), {"--error", "field", "--error-map", w / "map.jpg"}), "--error-map"},
       {{"render", w.volume(), "-o", w / "x.exr", "--error", "certified", "--mode", "mip"},
        "--mode composite"},
       {{"reference", w.volume(), "-o", w / "x.exr", "--truth", "certified", "--mode", "mip"},
