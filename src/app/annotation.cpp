@@ -155,17 +155,6 @@ void add_colours(Sheet& sheet, const Bar& bar, const TransferFunction& tf, const
   sheet.add(std::move(patch));
 }
 
-/// What the values are, in as many letters as have room beside the picture's middle.
-std::string quantity_of(const VolumeNotes& notes) {
-  return excerpt(notes.quantity.empty() && notes.modality == "CT" ? "HU" : notes.quantity, 28);
-}
-
-/// The least of 1, 2 or 5 times a power of ten that is not below `least`.
-double round_step(double least) {
-  const double below = round_length(least);
-  return below >= least ? below : round_length(2.51 * below);
-}
-
 /// At the right side, from above down to `bottom`.
 void add_colour_bar(Sheet& sheet, double bottom, const TransferFunction& tf, const DataRange& span,
                     const std::string& quantity) {
@@ -175,7 +164,9 @@ void add_colour_bar(Sheet& sheet, double bottom, const TransferFunction& tf, con
   const double height = bar.bottom - bar.top;
   const int most_ticks = static_cast<int>(height / (2.2 * letter));
   if (most_ticks < 2 || !std::isfinite(span.high - span.low)) return;
-  const double step = round_step((span.high - span.low) / most_ticks);
+  // The least of 1, 2 or 5 times a power of ten that is not below `least`.
+  const double least = (span.high - span.low) / most_ticks, below = round_length(least);
+  const double step = below >= least ? below : round_length(2.51 * below);
   add_colours(sheet, bar, tf, span);
   if (!quantity.empty()) sheet.text(quantity, {right, sheet.margin() + 0.5 * letter}, 1);
   // Enough digits to tell neighbouring ticks apart.
@@ -275,10 +266,14 @@ Overlay Annotation::overlay(const FrameSpec& spec, const ValueRange& range) cons
     add_axes(sheet, view, grid_);
   if (!view.eye) add_scale_bar(sheet, pixels_per_unit(shown.camera, view), notes_, grid_);
   const double bottom = patient ? 0.5 * shown.height - 1.6 * sheet.letter() : 0.6 * shown.height;
-  if (!channels_.empty())
+  if (!channels_.empty()) {
     add_legend(sheet, channels_);
-  else if (const auto span = visible_span(shown.transfer_function, bar_.value_or(range)))
-    add_colour_bar(sheet, bottom, shown.transfer_function, *span, quantity_of(notes_));
+  } else if (const auto span = visible_span(shown.transfer_function, bar_.value_or(range))) {
+    // As many letters as have room beside the picture's middle.
+    const bool hounsfield = notes_.quantity.empty() && notes_.modality == "CT";
+    const auto quantity = excerpt(hounsfield ? "HU" : notes_.quantity, 28);
+    add_colour_bar(sheet, bottom, shown.transfer_function, *span, quantity);
+  }
   return sheet.take();
 }
 

@@ -84,11 +84,6 @@ std::string triple_text(const glm::dvec3& v, const char* between) {
   return fmt::format("{:g}{}{:g}{}{:g}", plain(v.x), between, plain(v.y), between, plain(v.z));
 }
 
-std::string matrix_text(const glm::dmat3& m) {
-  return fmt::format("({})  ({})  ({})", triple_text(m[0], " "), triple_text(m[1], " "),
-                     triple_text(m[2], " "));
-}
-
 /// Bars show the square root of counts: the air around an object would flatten all others.
 std::string histogram_text(const ValueStatistics& values) {
   const Histogram histogram = coarser(values.histogram, shown_bins);
@@ -177,7 +172,9 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   row("type", fmt::format("{}, {} in all", to_string(grid.type), human_bytes(grid.bytes())));
   row("spacing", triple_text(grid.spacing, " x "));
   row("origin", triple_text(grid.origin, " "));
-  row("directions", matrix_text(grid.direction));
+  const auto& d = grid.direction;
+  row("directions", fmt::format("({})  ({})  ({})", triple_text(d[0], " "), triple_text(d[1], " "),
+                                triple_text(d[2], " ")));
   row("size", triple_text(extent, " x "));
   row("reading", concurrent ? "by all ranks at once" : "decoded by rank 0");
   for (const auto& [what, value] : rows_of(notes, o.picture.volume.choice.frame.value_or(0), values))
@@ -323,11 +320,6 @@ nlohmann::json to_json(const Foreseen& f, int ranks) {
           {"layouts", layouts}};
 }
 
-std::string list_of_series(const std::vector<std::string>& series) {
-  if (series.empty()) return {};
-  return fmt::format("\nseries in this folder (--series takes one)\n  {}\n", joined(series, "\n  "));
-}
-
 std::string list_of_presets() {
   std::string text;
   for (const auto& preset : preset_names())
@@ -357,14 +349,17 @@ ExitCode run_info(const InfoOptions& o) {
                     source.concurrent()};
   std::optional<Foreseen> predicted;
   if (o.ranks > 0) predicted = foresee(o, source, progress);
+  const auto series = source.notes().series;
   if (o.json) {
     auto j = to_json(o, found);
     if (predicted) j["prediction"] = to_json(*predicted, o.ranks);
-    if (const auto series = source.notes().series; !series.empty()) j["series"] = series;
+    if (!series.empty()) j["series"] = series;
     write_text_output("-", plain_json_text(std::move(j), 2) + "\n");
   } else {
-    write_text_output("-", to_text(o, found) + (predicted ? to_text(*predicted, o.ranks) : "") +
-                               list_of_series(source.notes().series));
+    std::string text = to_text(o, found) + (predicted ? to_text(*predicted, o.ranks) : "");
+    if (!series.empty())
+      text += fmt::format("\nseries in this folder (--series takes one)\n  {}\n", joined(series, "\n  "));
+    write_text_output("-", text);
   }
   return ExitCode::done;
 }

@@ -14,12 +14,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string list_of_volumes() {
-  std::string text;
-  for (const auto& synth : synth_names()) text += fmt::format("{:<20}{}\n", synth.name, synth.description);
-  return text;
-}
-
 /// Checks the disk's space before the work: RunError when too little is free, InputError when the whole disk
 /// is too small.
 void check_room(const fs::path& file, const Grid& grid, bool compressed) {
@@ -40,7 +34,9 @@ void check_room(const fs::path& file, const Grid& grid, bool compressed) {
 
 ExitCode run_synth(const SynthOptions& o) {
   if (o.list) {
-    write_text_output("-", list_of_volumes());
+    std::string text;
+    for (const auto& synth : synth_names()) text += fmt::format("{:<20}{}\n", synth.name, synth.description);
+    write_text_output("-", text);
     return ExitCode::done;
   }
   if (o.name.empty())

@@ -119,8 +119,6 @@ bool is_word(std::string_view part) {
   });
 }
 
-bool is_of_files(std::string_view part) { return part.starts_with("FILE") || part.starts_with("VOLUME"); }
-
 void offer_values(Offers& offers, const Option& option) {
   offer_known(offers, option);
   bool files = option.is_positional() && option.form.size() == 1;  // pictures to compare
@@ -129,16 +127,9 @@ void offer_values(Offers& offers, const Option& option) {
       option.reader.form.find('|') != std::string::npos ? option.reader.form : option.form;
   for (const auto part : split(form, "|")) {
     if (is_word(part)) offers.add(std::string(part));
-    files = files || is_of_files(part);
+    files = files || part.starts_with("FILE") || part.starts_with("VOLUME");
   }
   if (files) offers.add_files();
-}
-
-/// bash makes three words of --option=value.
-Words without_equals_signs(Words words) {
-  if (words.back() == "=") words.back().clear();
-  std::erase(words, "=");
-  return words;
 }
 
 /// The option whose value the last word is, or null.
@@ -163,7 +154,9 @@ std::string completion_script(const std::string& shell) {
 std::string completions(const OptionList& program, std::span<const BoundSubcommand> subcommands,
                         Words words) {
   if (words.empty()) words.emplace_back();
-  words = without_equals_signs(std::move(words));
+  // bash makes three words of --option=value.
+  if (words.back() == "=") words.back().clear();
+  std::erase(words, "=");
   const auto chosen = std::find_if(subcommands.begin(), subcommands.end(), [&](const auto& one) {
     return std::find(words.begin(), words.end() - 1, one.what->name) != words.end() - 1;
   });

@@ -29,9 +29,6 @@ std::string wrapped(const std::string& text, std::size_t width) {
   return all;
 }
 
-/// What an option does, without the details behind a semicolon.
-std::string first_part(const std::string& help) { return help.substr(0, help.find(';')); }
-
 class HelpFormatter : public CLI::Formatter {
  public:
   explicit HelpFormatter(const std::string& everyday) : everyday_(detail::words_of(everyday)) {
@@ -59,9 +56,11 @@ class HelpFormatter : public CLI::Formatter {
   static constexpr std::size_t column = 34;  ///< where an option's help begins
   std::string everyday_entry(const CLI::Option& option) const {
     std::ostringstream entry;
+    const std::string help = option.get_description();
+    const std::string without_details = help.substr(0, help.find(';'));
     CLI::detail::format_help(entry,
                              make_option_name(&option, option.get_positional()) + make_option_opts(&option),
-                             wrapped(first_part(option.get_description()), screen_width - column), column);
+                             wrapped(without_details, screen_width - column), column);
     return entry.str();
   }
 
@@ -207,12 +206,6 @@ std::string synopsis_of(const BoundSubcommand& subcommand) {
   return line + "\n.br\n";
 }
 
-/// Turns "ringsplat renders …" into the line that apropos searches.
-std::string name_line(const std::string& summary) {
-  const auto blank = summary.find(' ');
-  return roff(summary.substr(0, blank)) + " \\- " + roff(summary.substr(blank + 1)) + "\n";
-}
-
 }  // namespace
 
 std::shared_ptr<CLI::FormatterBase> help_formatter(const std::string& everyday) {
@@ -222,7 +215,9 @@ std::shared_ptr<CLI::FormatterBase> help_formatter(const std::string& everyday) 
 std::string man_page(const OptionList& program, std::span<const BoundSubcommand> subcommands) {
   std::string text = ".TH RINGSPLAT 1 \"\" \"ringsplat " RINGSPLAT_VERSION "\" \"User Commands\"\n";
   text += ".nh\n.ad l\n";  // options are not hyphenated
-  text += section("Name") + name_line(summary);
+  // The line that apropos searches: a name and what it does.
+  const std::string said = summary, name = said.substr(0, said.find(' '));
+  text += section("Name") + roff(name) + " \\- " + roff(said.substr(name.size() + 1)) + "\n";
   text += section("Synopsis");
   for (const auto& subcommand : subcommands) text += synopsis_of(subcommand);
   text += section("Description") + roff(summary) + ": " + roff(description) + "\n";

@@ -220,15 +220,11 @@ std::string plain(const std::string& word) {
   return number && exact ? fmt::format("{}", *number + 0) : word;
 }
 
-/// True for names of files, which are compared letter by letter.
-bool is_text(const Option& option) {
-  return option.is_positional() || option.form.find("FILE") != std::string::npos;
-}
-
 std::string value_of(const Option& option) {
   std::string value = option.is_flag() ? "false" : option.fallback;
   if (option.is_given()) value = option.is_flag() ? option.given.back() : joined(option.given, " ");
-  if (!is_text(option)) {
+  // Names of files are compared letter by letter.
+  if (!option.is_positional() && option.form.find("FILE") == std::string::npos) {
     auto words = detail::words_of(value);
     for (std::string& word : words) word = plain(word);
     value = joined(words, " ");
