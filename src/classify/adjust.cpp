@@ -1,7 +1,6 @@
 #include "classify/adjust.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 #include "classify/piecewise.hpp"

@@ -2,7 +2,6 @@
 
 #include <bit>
 #include <cmath>
-#include <limits>
 
 #include "base/srgb.hpp"
 #include "classify/adjust.hpp"

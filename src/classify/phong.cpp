@@ -1,6 +1,5 @@
 #include "classify/phong.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>

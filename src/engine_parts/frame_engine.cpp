@@ -1,11 +1,8 @@
 #include "engine_parts/frame_engine.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
 #include <span>
-#include <vector>
 
 #include "frame/frame_spec_bytes.hpp"
 #include "net/message.hpp"

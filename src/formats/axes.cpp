@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <map>
 #include <set>
-#include <vector>
 
 #include "base/log.hpp"
 #include "base/text.hpp"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <glm/gtc/packing.hpp>
 #include <utility>
-#include <vector>
 
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"

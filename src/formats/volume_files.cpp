@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <cstring>
 #include <iterator>
-#include <string>
 
 #include "base/fingerprint.hpp"
 #include "ringsplat/base/error.hpp"

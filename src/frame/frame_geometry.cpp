@@ -2,13 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
 #include <variant>
 
 #include "ringsplat/base/error.hpp"
-#include "screen/regions.hpp"
 
 namespace ringsplat {
 

@@ -4,10 +4,7 @@
 
 #include <algorithm>
 #include <mutex>
-#include <optional>
-#include <string>
 #include <utility>
-#include <vector>
 
 #include "base/archive.hpp"
 #include "base/clock.hpp"

@@ -1,7 +1,5 @@
 #include "options/option_tables.hpp"
 
-#include "options/option_values.hpp"
-
 namespace ringsplat::app {
 namespace {
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <iterator>
@@ -11,7 +10,6 @@
 
 #include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
-#include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,7 +1,6 @@
 #include "sheet_engine/table_axis.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 namespace ringsplat {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/splat.hpp"
 #include "splat/stencil.hpp"
 
 namespace ringsplat {

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/splat/kernel_options.hpp"
 #include "splat/footprint.hpp"
 #include "splat/splat_sum.hpp"
 #include "splat/stencil.hpp"

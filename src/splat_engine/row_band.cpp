@@ -1,11 +1,6 @@
 #include "splat_engine/row_band.hpp"
 
-#include <algorithm>
-#include <cstdint>
-#include <optional>
 #include <utility>
-
-#include "classify/phong.hpp"
 
 namespace ringsplat {
 

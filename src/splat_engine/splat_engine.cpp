@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "classify/empty_space.hpp"
-#include "splat_engine/splat_frame.hpp"
 
 namespace ringsplat {
 

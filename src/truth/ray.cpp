@@ -1,7 +1,5 @@
 #include "truth/ray.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>

@@ -1,7 +1,6 @@
 #include "ringsplat/volume/statistics.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <numeric>
 
 #include "volume/scalars.hpp"

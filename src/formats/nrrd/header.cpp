@@ -6,10 +6,8 @@
 #include <cmath>
 #include <map>
 #include <optional>
-#include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include "base/input_file.hpp"
 #include "base/printable.hpp"

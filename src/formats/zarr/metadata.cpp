@@ -1,7 +1,5 @@
 #include "formats/zarr/metadata.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
