@@ -184,6 +184,8 @@ void FrameOutput::finish() {
     const MeasuredError& error = error_of(kept);
     write(kept.frame, &error);
     progress_.print(to_text(error));
+    const auto cost = truth_ ? level_error(kept.frame.result.image, *truth_, options_) : std::string();
+    if (!cost.empty()) progress_.print(cost);
   }
   truth_.reset();
   stats_->finish();

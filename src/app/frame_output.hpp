@@ -135,6 +135,11 @@ class FrameOutput {
   FrameWriter writer_;  ///< declared last: it uses all of the above
 };
 
+/// What it costs, in a line, to show a pyramid's level instead of the finest: their fields' difference, as
+/// dense in world lengths, in the middle of what is shown, of which the finest takes as doubles at most
+/// --memory, or 128 MiB; it alone is read. Empty where `shown` is the finest.
+std::string level_error(const Image& picture, const truth::Scene& shown, const RenderOptions& options);
+
 /// The settings that decide the picture, and the volume's name, as JSON; the same bytes for any number of
 /// ranks. `channels`: that were added; the frame's function is then of none.
 std::string picture_settings(const FrameSpec& spec, const std::string& volume, bool annotated,

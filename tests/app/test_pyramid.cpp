@@ -79,6 +79,30 @@ TEST_CASE("a pyramid's picture has the bits of its volume's", "[mpi]") {
   }
 }
 
+TEST_CASE("--error tells what a pyramid's level costs against its finest one") {
+  const TemporaryFolder folder;
+  const std::string even = folder / "even_128x120x130_uint8.raw", of_even = folder / "even.zarr",
+                    of_head = folder / "head.zarr", picture = folder / "x.png";
+  write_text(even, std::string(128 * 120 * 130, 'x'));
+  done(run_program({"pyramid", even, of_even}));
+  done(run_program({"pyramid", head, of_head}));
+  const auto cost = [&](const std::string& store, const std::string& memory) {
+    const Ended ended =
+        run_program({"render", store, "-o", picture, "--size", "64", "--memory", memory, "--error", "field",
+                     "--error-pixels", "300", "--tf", "grey", "--range", "0:255"});
+    done(ended);
+    const std::string said = ended.out + ended.err, words = "against the finest: ";
+    const auto at = said.find(words);
+    return at == std::string::npos ? -1 : std::stod(said.substr(at + words.size()));
+  };
+  const double nothing = cost(of_even, "500K"), something = cost(of_head, "1M");
+  CHECK(nothing >= 0);
+  CHECK(nothing < 1e-3);
+  CHECK(something > 0.1);
+  CHECK(something < 40);
+  CHECK(cost(of_head, "1G") < 0);
+}
+
 TEST_CASE("of labels a pyramid takes every second voxel") {
   const TemporaryFolder folder;
   const std::string store = folder / "labels.zarr";
