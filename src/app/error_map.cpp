@@ -1,44 +1,23 @@
-#include "app/error_map.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "app/annotation.hpp"
+#include "app/frame_output.hpp"
 #include "classify/colour_maps.hpp"
 #include "images/image_io.hpp"
 #include "program/text_output.hpp"
 
 namespace ringsplat::app {
-namespace {
-
-constexpr const char* colours = "inferno";
-
-/// A round number that hardly any error exceeds: a few pixels often err many times more than all others.
-double top_of(std::vector<float> errors) {
-  std::erase_if(errors, [](float e) { return !std::isfinite(e); });
-  constexpr double most_pixels = 0.998, least = 1e-3;
-  if (errors.empty()) return least;
-  const auto at = errors.begin() + std::ptrdiff_t(most_pixels * double(errors.size() - 1));
-  std::nth_element(errors.begin(), at, errors.end());
-  constexpr double largest_step = 2.5;  // from one round length to the next
-  return round_length(largest_step * std::max(double(*at), least));
-}
-
-TransferFunction colours_to(double top) {
-  TransferFunction tf{
-      .name = colours, .colours = colour_map(colours).points, .opacities = {{0, 1}, {top, 1}}};
-  for (auto& point : tf.colours) point.value *= top;
-  return tf;
-}
-
-}  // namespace
 
 void write_error_map(const MeasuredError& error, const Image& picture, const std::filesystem::path& file,
                      const std::string& settings) {
-  const double top = top_of(error.by_pixel);
-  const TransferFunction tf = colours_to(top);
+  // A few pixels often err many times more than all others.
+  constexpr double of_rmse = 10, least = 1e-3;
+  const double top = round_length(std::clamp(of_rmse * error.error.rmse, least, truth::levels));
+  constexpr const char* colours = "inferno";
+  TransferFunction tf{colours, colour_map(colours).points, {{0, 1}, {top, 1}}};
+  for (auto& point : tf.colours) point.value *= top;
   Image map(picture.width, picture.height);
   for (std::size_t p = 0; p < error.by_pixel.size(); ++p) {
     if (std::isnan(error.by_pixel[p])) continue;

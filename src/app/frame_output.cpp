@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "app/error_map.hpp"
 #include "app/stats_output.hpp"
 #include "app/views.hpp"
 #include "base/child_program.hpp"
@@ -99,7 +98,7 @@ FrameOutput::FrameOutput(const Job& job, const ValueRange& range, Progress& prog
 FrameOutput::~FrameOutput() = default;
 
 void FrameOutput::take(FrameResult&& result) {
-  auto file = output_file(options_, std::size_t(result.spec.frame));
+  auto file = file_of_view(options_, options_.output, std::size_t(result.spec.frame));
   FinishedFrame frame{std::move(result), std::move(file), volume_, range_};
   if (options_.error.truth) {
     kept_.push_back({std::move(frame)});
@@ -160,7 +159,8 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
     write_image(result.image, file, options_.background,
                 picture_settings(result.spec, volume, options_.annotate, job_.channels, error), overlay);
   if (error != nullptr && !options_.error.map.empty())
-    write_error_map(*error, result.image, map_file(options_, std::size_t(result.spec.frame)),
+    write_error_map(*error, result.image,
+                    file_of_view(options_, options_.error.map, std::size_t(result.spec.frame)),
                     picture_settings(result.spec, volume, false, job_.channels, error));
   const NodeStats sum = result.stats.total();
   warn(label, drawn ? why_empty(result, range) : std::string(), empty_frames_);
@@ -242,20 +242,9 @@ void FrameOutput::add_to_film(const Image& image, const Overlay& overlay) {
   film_->add(film_pictures_++, image_bytes(image, ".png", background, {}, overlay));
 }
 
-namespace {
-
-fs::path file_of(const std::string& name, const RenderOptions& options, std::size_t view) {
+fs::path file_of_view(const RenderOptions& options, const std::string& name, std::size_t view) {
   const bool several = options.orbit > 0 || !options.path.empty() || options.frames;
   return several && !names_film(name) ? numbered(name, view) : fs::path(name);
-}
-
-}  // namespace
-
-fs::path output_file(const RenderOptions& options, std::size_t view) {
-  return file_of(options.output, options, view);
-}
-fs::path map_file(const RenderOptions& options, std::size_t view) {
-  return file_of(options.error.map, options, view);
 }
 
 std::vector<Camera> views_of(const RenderOptions& o) {

@@ -149,11 +149,14 @@ std::string picture_settings(const FrameSpec& spec, const std::string& volume, b
 std::string why_empty(const FrameResult& result, const ValueRange& range);
 std::string why_nearly_empty(const FrameResult& result);
 
-/// The file of a view's picture: the output itself, or a numbered file when there may be several. `view`
-/// counts from 0.
-std::filesystem::path output_file(const RenderOptions& options, std::size_t view);
-/// That of the map of its errors.
-std::filesystem::path map_file(const RenderOptions& options, std::size_t view);
+/// The file of a view's picture: `name` itself, -o or --error-map, or a numbered file when there may be
+/// several. `view` counts from 0.
+std::filesystem::path file_of_view(const RenderOptions& options, const std::string& name, std::size_t view);
+
+/// Writes a picture of the errors that were measured of `picture`, with a bar that says what its colours
+/// mean; transparent where none is known. `settings`: the picture's, as JSON; what the bar spans is added.
+void write_error_map(const MeasuredError& error, const Image& picture, const std::filesystem::path& file,
+                     const std::string& settings);
 
 /// The run's views that are known beforehand: one, an orbit or a path; none when they come on stdin. Throws
 /// InputError for a path that cannot be read.

@@ -129,14 +129,10 @@ bool hold_budget(Job& job, const Gallery& gallery, Progress& progress, Launch& l
         }
         held = false;
         progress.clear();
-        if (job.options.budget.guarantee)
-          log_warning(
-              "{} is not proved within --max-error {:g}: some pixel may err {:.3g}/255, half of what its "
-              "bounds leave open; hint: allow --max-error {:.2g}",
-              name, budget, error, 1.1 * error);
-        else
-          log_warning("{} breaks --max-error {:g}: {:.3g}/255 rms with the most exact setting; hint: {}",
-                      name, budget, error, hint_for(job.options.budget, spec, error));
+        log_warning("{} breaks --max-error {:g}: {:.3g}/255 {}; hint: {}", name, budget, error,
+                    job.options.budget.guarantee ? "at some pixel is not ruled out by its bounds"
+                                                 : "rms with the most exact setting",
+                    hint_for(job.options.budget, spec, error));
       }
     });
     if (!launch.of_rank_0(!again.empty())) break;

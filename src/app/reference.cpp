@@ -75,9 +75,10 @@ ExitCode run_reference(const ReferenceOptions& o) {
     const double start = now_seconds();
     const Image image = truth::to_image(spec.shown.width, spec.shown.height,
                                         evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
-    write_image(image, output_file(o.picture, k), o.picture.background, settings_text(spec, o));
-    fmt::print(results, "{}  {:.2f} s  {} truth\n", output_file(o.picture, k).string(), now_seconds() - start,
-               to_string(o.truth));
+    write_image(image, file_of_view(o.picture, o.picture.output, k), o.picture.background,
+                settings_text(spec, o));
+    fmt::print(results, "{}  {:.2f} s  {} truth\n", file_of_view(o.picture, o.picture.output, k).string(),
+               now_seconds() - start, to_string(o.truth));
   }
   return ExitCode::done;
 }

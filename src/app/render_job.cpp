@@ -110,7 +110,7 @@ void refuse_replacing_volumes(const RenderOptions& o, const std::vector<SeriesEn
   for (const SeriesEntry& entry : series)
     volumes.insert(std::filesystem::weakly_canonical(entry.volume.path, error));
   for (const SeriesEntry& entry : series) {
-    const auto picture = output_file(o, std::size_t(entry.number));
+    const auto picture = file_of_view(o, o.output, std::size_t(entry.number));
     if (volumes.contains(std::filesystem::weakly_canonical(picture, error)))
       throw InputError(fmt::format("-o {} would replace {}, which is read", o.output, picture.string()),
                        "write into another folder, or under another name");

@@ -280,15 +280,10 @@ std::size_t replace_unproved(Image& image, const truth::PixelSample& sample,
   return replaced;
 }
 
-/// Pixels at which a picture is measured, at most.
-std::size_t pixels_of(const Image& image, const ErrorOptions& options) {
-  return options.all ? image.rgba.size() / 4 : options.pixels;
-}
-
 /// By bounds in place of a truth. The estimate is that of their middles.
-MeasuredError measure_certified(Image& image, const truth::Scene& scene, const ErrorOptions& options) {
-  const auto sample =
-      truth::draw_sample(image, truth::field_bounds(scene), pixels_of(image, options), options.seed);
+MeasuredError measure_certified(Image& image, const truth::Scene& scene, const ErrorOptions& options,
+                                std::size_t pixels) {
+  const auto sample = truth::draw_sample(image, truth::field_bounds(scene), pixels, options.seed);
   const auto bounds = truth::certified_bounds(scene, sample.pixels, certified_width(scene));
   std::vector<truth::Rgba> near, middle, far;
   Certificate certificate;
@@ -303,16 +298,16 @@ MeasuredError measure_certified(Image& image, const truth::Scene& scene, const E
     for (std::size_t k = 0; k < certificate.limits.size(); ++k)
       certificate.proved[k] += error <= certificate.limits[k] ? 1 / double(bounds.size()) : 0;
   }
+  MeasuredError measured{TruthKind::certified, options.seed, {}, 0};
   const auto least = truth::sampled_error(image, sample, near),
-             most = truth::sampled_error(image, sample, far);
+             most = truth::sampled_error(image, sample, far, &measured.by_pixel);
   certificate.least = least.largest;
-  truth::SampledError error = truth::sampled_error(image, sample, middle);
+  truth::SampledError& error = measured.error = truth::sampled_error(image, sample, middle);
   error.rmse_low = least.rmse_low;
   error.rmse_high = most.rmse_high;
   error.largest = most.largest;
   error.worst = most.worst;
-  MeasuredError measured{TruthKind::certified, options.seed, error, 0, certificate};
-  if (!options.map.empty()) measured.by_pixel = truth::errors_by_pixel(image, sample, far);
+  measured.certificate = certificate;
   return measured;
 }
 
@@ -325,14 +320,13 @@ TruthKind calibrating_truth(const ErrorOptions& options) {
 
 MeasuredError measure(Image& image, const truth::Scene& scene, const ErrorOptions& options) {
   const double start = now_seconds();
+  const std::size_t pixels = options.all ? image.rgba.size() / 4 : options.pixels;
   MeasuredError measured{*options.truth, options.seed, {}, 0};
   if (options.truth == TruthKind::certified) {
-    measured = measure_certified(image, scene, options);
+    measured = measure_certified(image, scene, options, pixels);
   } else {
-    const auto [sample, colours] =
-        sample_truth(image, scene, {*options.truth}, pixels_of(image, options), options.seed);
-    measured.error = truth::sampled_error(image, sample, colours);
-    if (!options.map.empty()) measured.by_pixel = truth::errors_by_pixel(image, sample, colours);
+    const auto [sample, colours] = sample_truth(image, scene, {*options.truth}, pixels, options.seed);
+    measured.error = truth::sampled_error(image, sample, colours, &measured.by_pixel);
   }
   measured.seconds = now_seconds() - start;
   return measured;

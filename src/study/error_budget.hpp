@@ -110,7 +110,7 @@ struct MeasuredError {
   double seconds;  ///< spent on the truth
   /// Then `error.largest` and, of all pixels, `error.rmse_high` are surely not exceeded.
   std::optional<Certificate> certificate = std::nullopt;
-  std::vector<float> by_pixel = {};  ///< for a map (truth::errors_by_pixel)
+  std::vector<float> by_pixel = {};  ///< truth::sampled_error's
   /// What a budget is held by: RMSE, or what a guarantee is of, the largest error.
   double held() const {
     if (!certificate) return error.rmse;

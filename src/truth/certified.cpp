@@ -165,11 +165,7 @@ class Certifier : Tracer {
   };
   /// What was seen of a ray from the front.
   struct Sight {
-    struct Stretch {
-      CellMedium medium;
-      Interval length;
-    };
-    std::vector<Stretch> stretches = {};
+    std::vector<CellMedium> stretches = {};
     std::vector<Piece> pieces = {};
     Interval transmittance = 1;
     bool rest_open = false;  ///< whatever is behind the pieces
@@ -224,12 +220,12 @@ class Certifier : Tracer {
     // How far the field is from the cell's own: each axis changes it by less than the values' range a voxel.
     const double extra = passage.beside > 0 ? 3 * passage.beside * width(values_) : 0;
     if (!curve_.visible(values->low - extra, values->high + extra)) return;
-    sight.stretches.push_back({medium_of(ray, passage, *values, extra), passage.length});
+    sight.stretches.push_back(medium_of(ray, passage, *values, extra));
     const auto line = [&](double value) { return lines_.line_of(value); };
     if (line(values->low - extra) == line(values->high + extra))
       return look(sight.stretches.size() - 1, 0, 1, sight);
     const auto value_at = [&](double part) {
-      return median(series_of<0>(sight.stretches.back().medium.value, Interval(part), 0)[0]);
+      return median(series_of<0>(sight.stretches.back().value, Interval(part), 0)[0]);
     };
     const std::vector<double> cuts = cuts_at_knots(cubic_along(0, 1, value_at), curve_.knots());
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
@@ -259,7 +255,7 @@ class Certifier : Tracer {
 
   CellMedium medium_of(const LatticeRay& ray, const Passage& passage, const CellValues& values,
                        double extra) const {
-    CellMedium medium{value_of(values, passage)};
+    CellMedium medium{value_of(values, passage), std::nullopt, passage.length};
     if (extra > 0) medium.value[0] += within(extra);
     if (!scene_.shaded()) return medium;
     const Corners<glm::dvec3> normals = cell_normals(gradients_, passage.cell);
@@ -298,8 +294,8 @@ class Certifier : Tracer {
 
   /// `front`: what is let through before it.
   Piece piece_of(Sight& sight, std::size_t stretch, double from, double to, double front) const {
-    const auto& [medium, length] = sight.stretches[stretch];
-    const Part part(length, from, to);
+    const CellMedium& medium = sight.stretches[stretch];
+    const Part part(medium.length_of_passage, from, to);
     const Extremes extremes = extremes_of(lines_, medium, part);
     EnclosedPiece known = between(extremes, part);
     --sight.pieces_left;

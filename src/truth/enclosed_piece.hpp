@@ -29,6 +29,7 @@ EnclosedPiece behind(const EnclosedPiece& front, const EnclosedPiece& back);
 struct CellMedium {
   Polynomial value;
   std::optional<EnclosedLight> light = std::nullopt;
+  Interval length_of_passage = 0;
 };
 
 /// The piece [a, b] of a passage, in parts of it.

@@ -53,8 +53,6 @@ class Interval {
   }
   Interval& operator+=(const Interval& b) { return *this = *this + b; }
   Interval& operator*=(const Interval& b) { return *this = *this * b; }
-  Interval& operator/=(const Interval& b) { return *this = *this / b; }
-  Interval& operator/=(double b) { return *this = *this / b; }
 
   friend Interval hull(const Interval& a, const Interval& b) { return Interval(larger(a.ends_, b.ends_)); }
   friend Interval intersect(const Interval& a, const Interval& b) {

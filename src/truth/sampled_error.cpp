@@ -129,13 +129,16 @@ class Differences {
 
 }  // namespace
 
-SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth) {
+SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth,
+                           std::vector<float>* by_pixel) {
   SampledError error{.pixels = truth.size()};
+  if (by_pixel != nullptr) by_pixel->assign(image.rgba.size() / 4, std::numeric_limits<float>::quiet_NaN());
   double known = 0, signed_sum = 0;
   const auto see = [&](Pixel at, const Rgba& colour) {
     const Difference d = difference(image.pixel(at.x, at.y), colour);
     if (d.largest > error.largest) error.worst = at;
     error.largest = std::max(error.largest, d.largest);
+    if (by_pixel != nullptr) (*by_pixel)[std::size_t(at.y * image.width + at.x)] = float(d.largest);
     return d;
   };
   // The pixels whose error is known without the truth: where it is transparent, and where the picture is not
@@ -175,19 +178,6 @@ SampledError sampled_error(const Image& image, const PixelSample& sample, std::s
   error.rmse_low = std::sqrt(interval.low / pixels);
   error.rmse_high = std::sqrt(interval.high / pixels);
   return error;
-}
-
-std::vector<float> errors_by_pixel(const Image& image, const PixelSample& sample,
-                                   std::span<const Rgba> truth) {
-  std::vector<float> errors(image.rgba.size() / 4, std::numeric_limits<float>::quiet_NaN());
-  const auto see = [&](Pixel at, const Rgba& colour) {
-    errors[std::size_t(at.y) * std::size_t(image.width) + std::size_t(at.x)] =
-        float(difference(image.pixel(at.x, at.y), colour).largest);
-  };
-  for (const Pixel at : all_pixels(image.width, image.height))
-    if (!sample.bounds.rows[std::size_t(at.y)].contains(at.x)) see(at, Rgba(0.0));
-  for (std::size_t p = 0; p < truth.size(); ++p) see(sample.pixels[p], truth[p]);
-  return errors;
 }
 
 double ErrorFigures::psnr() const { return 20 * std::log10(levels / rmse); }

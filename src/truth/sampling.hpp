@@ -50,11 +50,9 @@ struct SampledError {
 /// about a thousand pixels on the interval holds the true RMSE as often as it claims (docs/accuracy.md). It
 /// cannot cover an error in a few pixels that shows neither in the picture nor in the sample. A value of the
 /// picture that is not finite makes its RMSE infinite, sampled or not.
-SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth);
-
-/// Each pixel's largest difference, row by row; not a number where it is not known.
-std::vector<float> errors_by_pixel(const Image& image, const PixelSample& sample,
-                                   std::span<const Rgba> truth);
+/// `by_pixel` gets each pixel's largest difference, row by row; not a number where it is not known.
+SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth,
+                           std::vector<float>* by_pixel = nullptr);
 
 /// Levels of an 8-bit picture. All differences are in units of one level.
 constexpr double levels = 255;
