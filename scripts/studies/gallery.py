@@ -20,7 +20,7 @@ FILES = [*(f"nilearn/nilearn/datasets/data/mni_icbm152_{kind}_tal_nlin_sym_09a_c
          *(f"pyvista/pyvista/examples/{name}" for name in ("uniform.vtk", "frog_tissues.vti", "channels.vti")),
          *(f"pydicom/pydicom/data/test_files/{name}" for name in ("emri_small.dcm", "CT_small.dcm", "rtdose.dcm")),
          *(f"scikit-image/skimage/data/multipage{kind}.tif" for kind in ("", "_rgb"))]
-MODES = ("composite", "mip", "minip", "mean", "sum", "surface")
+MODES = ("composite", "mip", "attenuated", "minip", "mean", "sum", "surface")
 STYLE = """<style>
 body { display: flex; flex-wrap: wrap; font: 12px monospace }
 figure { width: 320px; margin: 4px }

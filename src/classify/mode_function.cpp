@@ -19,7 +19,7 @@ double mean_of(const Bins& bins) {
 
 /// What a mode's values lie within, as far as the voxels' values tell.
 DataRange window_of(Mode mode, const Data& d, const Grid& grid) {
-  if (mode == Mode::mip) {
+  if (mode == Mode::mip || mode == Mode::attenuated) {
     // A ray's largest value is a rare one, and it looks black where all are background.
     const Foreground f = find_foreground(d);
     constexpr double all_but_few = 0.9999;
@@ -37,7 +37,7 @@ DataRange window_of(Mode mode, const Data& d, const Grid& grid) {
 }  // namespace
 
 const char* name(Mode mode) {
-  constexpr const char* names[] = {"composite", "mip", "minip", "mean", "sum", "surface"};
+  constexpr const char* names[] = {"composite", "mip", "minip", "mean", "sum", "surface", "attenuated"};
   return names[static_cast<int>(mode)];
 }
 
@@ -58,8 +58,15 @@ AutoChoice choose_for_mode(Mode mode, const ValueStatistics& values, const Grid&
   else
     choice.function.colours = colours_over(colour_map("gray"), range);
   choice.function.opacities = {{range.low, 1.0}, {range.high, 1.0}};
+  if (mode == Mode::attenuated) choice.function.opacities = {{range.low, 0.0}, {range.high, 0.05}};
   choice.range = range;
-  constexpr const char* shown[] = {"", "largest values", "least values", "means", "integrals over length"};
+  constexpr const char* shown[] = {"",
+                                   "largest values",
+                                   "least values",
+                                   "means",
+                                   "integrals over length",
+                                   "",
+                                   "largest values, dimmed by what lies before them"};
   if (mode != Mode::surface)
     choice.why = fmt::format("{}, black at {:.4g} to white at {:.4g}", shown[static_cast<int>(mode)],
                              plain(range.low), plain(range.high));

@@ -77,7 +77,7 @@ concept HasFields = requires(T& described) {
 // The last value of each enumeration.
 constexpr ImagePlane last_of(ImagePlane) { return ImagePlane::slices; }
 constexpr Interpolation last_of(Interpolation) { return Interpolation::nearest; }
-constexpr Mode last_of(Mode) { return Mode::surface; }
+constexpr Mode last_of(Mode) { return Mode::attenuated; }
 constexpr Shading last_of(Shading) { return Shading::phong; }
 constexpr Fit last_of(Fit) { return Fit::box; }
 constexpr KernelMethod last_of(KernelMethod) { return KernelMethod::texture; }

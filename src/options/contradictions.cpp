@@ -100,7 +100,7 @@ const Rule all_rules[] = {
     {"--values", excludes,
      "--tf --range --colours --log --opacity --background --annotate --error --max-error",
      "numbers have no colours: leave one out"},
-    {"--mode=mip --mode=minip --mode=mean --mode=sum --mode=surface --slice", excludes,
+    {"--mode=mip --mode=attenuated --mode=minip --mode=mean --mode=sum --mode=surface --slice", excludes,
      "--engine=splats --quality=paper --labels --interpolation=nearest",
      "only sheets of interpolated values have other modes: leave one out"},
     {"--labels", excludes, "--tf --range --colours --log", "labels have colours of their own: leave one out"},

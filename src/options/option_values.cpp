@@ -225,7 +225,7 @@ constexpr Alike table[] = {
     {"range", "window window-level level clim vmin vmax"},
     {"colours", "cmap colormap colourmap color-map colors lut palette", or_whole},
     {"tf", "transfer-function preset"},
-    {"mode", "mip minip projection-mode blend-mode isosurface"},
+    {"mode", "mip minip attenuated-mip projection-mode blend-mode isosurface"},
     {"isovalue", "iso contour"},
     {"opacity", "alpha density"},
     {"size", "resolution width height"},

@@ -220,10 +220,11 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        flag(o.colour.labels)},
       {"--mode", nullptr, initial,
        "What a ray shows: light through the volume; its largest or least value, their mean, or their "
-       "integral over length, in grey or in --tf's colours and opacities; or the first surface of "
-       "--isovalue; needs sheets; without it mip for several channels",
-       choice(o.colour.mode,
-              named({Mode::composite, Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface}))},
+       "integral over length, in grey or in --tf's colours and opacities; the first surface of --isovalue; "
+       "or the largest value of those dimmed by what lies before them, by --opacity; needs sheets; without "
+       "it mip for several channels",
+       choice(o.colour.mode, named({Mode::composite, Mode::mip, Mode::attenuated, Mode::minip, Mode::mean,
+                                    Mode::sum, Mode::surface}))},
       {"--isovalue", nullptr, nullptr,
        "The value of --mode surface; without it the one that parts the volume's values best",
        value(o.colour.isovalue)},

@@ -253,9 +253,9 @@ VoxelBox slice_box(const Grid& grid, int axis, int index) {
 std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 Mode mode_from(const json& j) {
-  for (int k = 0; k <= int(Mode::surface); ++k)
+  for (int k = 0; k <= int(Mode::attenuated); ++k)
     if (j == name(Mode(k))) return Mode(k);
-  throw InputError("mode must be composite, mip, minip, mean, sum or surface");
+  throw InputError("mode must be composite, mip, attenuated, minip, mean, sum or surface");
 }
 
 SceneState scene_from(const json& j, const MessageRules& rules) {

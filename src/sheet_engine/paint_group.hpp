@@ -108,7 +108,9 @@ struct Projection {
   float isovalue = 0;    ///< of the surface
   float colour[3] = {};  ///< of the surface, linear
   float zero = 0;        ///< the value 0
-  float unit = 1;        ///< a number's value times the way from slice to slice, in world lengths
+  /// A number's value times the way from slice to slice, in world lengths; of Mode::attenuated by how many
+  /// powers of two a number's excess over `least` dims on that way.
+  float unit = 1;
 };
 
 /// What all groups of a frame share.

@@ -2,11 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "classify/adjust.hpp"
 
 namespace ringsplat {
 namespace {
+
+/// Whether pixels hold how far a value is beyond one that looks as nothing does.
+bool takes_extremum(Mode mode) {
+  return mode == Mode::mip || mode == Mode::minip || mode == Mode::attenuated;
+}
+
+/// Of what lies before others: by how many powers of two the last colour's value dims them in a unit length.
+/// The densest of the function's points says so.
+double dimming(const TransferFunction& tf) {
+  double densest = 0;
+  for (const auto& point : tf.opacities) densest = std::max(densest, point.opacity);
+  // Something must be left of a value that is opaque.
+  constexpr double most = 0.999;
+  return -std::log2(1 - std::min(densest, most));
+}
 
 /// The values up to which, or for the least down to which, all extrema look alike.
 double seen_from(const SheetFrame& frame) {
@@ -82,24 +98,32 @@ Projection make_projection(const SheetFrame& frame, const PlaneCode& code) {
   Projection p;
   p.mode = frame.shown.mode;
   p.values = frame.shown.values;
-  if (p.mode == Mode::mip || p.mode == Mode::minip) {
+  p.unit = float(frame.step_length() * frame.unit_length() / code.scale);
+  if (takes_extremum(p.mode)) {
     const auto [first, last] = ends_of(tf);
-    const double from = seen_from(frame), to = p.mode == Mode::mip ? last : first;
-    p.sign = p.mode == Mode::mip ? 1 : -1;
+    const double from = seen_from(frame), to = p.mode == Mode::mip     ? last
+                                               : p.mode == Mode::minip ? first
+                                                                       : tf.colours.back().value;
+    p.sign = p.mode == Mode::minip ? -1 : 1;
     p.least = float(code.of(from));
     p.most = float(std::max((to - from) * p.sign * code.scale, 0.0));
+    if (p.mode == Mode::attenuated)
+      p.unit = p.most > 0 ? float(dimming(tf) * frame.step_length()) / p.most : 0;
   }
   p.isovalue = float(code.of(frame.shown.isovalue));
   const glm::dvec3 colour = tf.evaluate(frame.shown.isovalue).colour;
   for (int c = 0; c < 3; ++c) p.colour[c] = float(colour[c]);
   p.zero = float((0 - code.offset) * code.scale);
-  p.unit = float(frame.step_length() * frame.unit_length() / code.scale);
   return p;
 }
 
-void ProjectionColours::set_function(const TransferFunction& transfer_function) {
+void ProjectionColours::set_function(TransferFunction transfer_function, Mode mode) {
+  if (mode == Mode::attenuated) {
+    const auto& colours = transfer_function.colours;
+    transfer_function.opacities = {{colours.front().value, 1.0}, {colours.back().value, 1.0}};
+  }
   if (!colours_.empty() && transfer_function == function_) return;
-  function_ = transfer_function;
+  function_ = std::move(transfer_function);
   const auto [low, high] = ends_of(function_);
   low_ = low;
   steps_a_unit_ = high > low ? last / (high - low) : 0;
@@ -119,7 +143,7 @@ void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, c
                                const PlaneCode& code, RegionImage& image) const {
   const bool surface = projection.mode == Mode::surface;
   if (surface && !projection.values) return;
-  const bool extremum = projection.mode == Mode::mip || projection.mode == Mode::minip;
+  const bool extremum = takes_extremum(projection.mode);
   const double from = extremum ? seen_from(frame) : 0,
                of_number = extremum ? projection.sign / code.scale : 1;
   if (!image.touched() && (surface || at(from).a == 0)) return;

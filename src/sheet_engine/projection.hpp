@@ -15,7 +15,8 @@ Projection make_projection(const SheetFrame& frame, const PlaneCode& code);
 /// The colours of projected values.
 class ProjectionColours {
  public:
-  void set_function(const TransferFunction& transfer_function);
+  /// Its opacities say of Mode::attenuated how much values dim, and not what is seen of them.
+  void set_function(TransferFunction transfer_function, Mode mode);
   /// Turns what a region's pixels have taken, as ProjectionPainter left it, into their colours. Rays that
   /// meet the box have a value, too, where nothing was taken.
   void colour(const SheetFrame& frame, const SheetRays& rays, const Projection& projection,

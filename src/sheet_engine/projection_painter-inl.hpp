@@ -48,8 +48,10 @@ struct CellPath {
 };
 
 /// Paints what is projected along rays instead of composited: extrema, integrals, a first surface. The field
-/// is cubic along a ray inside a cell (Parker et al. 1998), so all are exact but for rounding. Pixels hold
+/// is cubic along a ray inside a cell (Parker et al. 1998), so all are exact but for rounding, and but for
+/// dimmed extrema. Pixels hold
 ///   in red how far an extremum is beyond Projection::least, and 1 in opacity once more changes nothing;
+///   in green by how many powers of two what lies behind is dimmed;
 ///   an integral in red, of what is above or below the value 0;
 ///   a surface's premultiplied colour, or with Projection::values in red its slice, from the middle one.
 template <class Sampler, class Rays>
@@ -158,7 +160,7 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     if (q_.mode == Mode::surface) return ranges.greatest() < q_.isovalue || ranges.least() >= q_.isovalue;
     if (!is_extremum()) return ranges.least() == q_.zero && ranges.greatest() == q_.zero;
     const float most = (q_.sign > 0 ? ranges.greatest() : ranges.least()) - q_.least;
-    return least(choose(alive, s.red, set(INFINITY))) >= most * q_.sign;
+    return least(choose(alive, enough(s), set(INFINITY))) >= most * q_.sign;
   }
 
   HWY_INLINE M above(F number) const {
@@ -177,7 +179,7 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     F most = set(0.0F);
     if (is_extremum()) {
       most = beyond(q_.sign > 0 ? greatest_of(front, back) : least_of(front, back));
-      if (!any(both(there, greater(most, s.red)))) return;
+      if (!any(both(there, greater(most, enough(s))))) return;
     }
     CellPath path{walk.u.place(walk.w, u), walk.v.place(walk.w, v), {}, {}};
     path.du = sub(walk.u.place(end, u), path.u);
@@ -194,10 +196,15 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
   /// How far a number is an extremum.
   HWY_INLINE F beyond(F number) const { return mul(sub(number, set(q_.least)), set(q_.sign)); }
 
-  bool is_extremum() const { return q_.mode == Mode::mip || q_.mode == Mode::minip; }
+  bool is_extremum() const { return q_.mode == Mode::mip || q_.mode == Mode::minip || dims(); }
+  bool dims() const { return q_.mode == Mode::attenuated; }
+  /// Less far beyond, a number changes nothing.
+  HWY_INLINE F enough(const State& s) const { return dims() ? set(0.0F) : s.red; }
 
   HWY_INLINE void take(State& s, Walk& walk, const Part& part) const {
-    if (is_extremum())
+    if (dims())
+      take_dimmed(s, part);
+    else if (is_extremum())
       take_extremum(s, part);
     else if (q_.mode == Mode::surface)
       find_surface(s, walk, part);
@@ -225,8 +232,44 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
 
   HWY_INLINE void take_integral(State& s, const Part& part) const {
     const F value = mul(sub(part.values.integral(), set(q_.zero)), set(q_.unit));
-    const F length = mul(part.length(), mul(rays_.length(s.ray), set(slab_->face ? p_.face_pieces : 1.0F)));
-    s.red = choose(both(part.there, equal(value, value)), fma(value, length, s.red), s.red);
+    s.red = choose(both(part.there, equal(value, value)), fma(value, length_of(s, part), s.red), s.red);
+  }
+
+  /// From slice to slice is 1.
+  HWY_INLINE F length_of(const State& s, const Part& part) const {
+    return mul(part.length(), mul(rays_.length(s.ray), set(slab_->face ? p_.face_pieces : 1.0F)));
+  }
+
+  /// Takes the most of what is left of numbers behind others. Between places an eighth of the part apart
+  /// numbers are lines, and a peak of what is left a parabola.
+  HWY_INLINE void take_dimmed(State& s, const Part& part) const {
+    constexpr int pieces = 8;
+    const F zero = set(0.0F), half = set(0.5F), most = set(q_.most),
+            half_length = mul(set(0.5F / pieces * q_.unit), length_of(s, part));
+    const auto left_at = [&](F depth) HWY_ATTR { return exp2_of(max(sub(zero, depth), set(-126.0F))); };
+    // What is not a number is nothing.
+    const auto shown = [&](F number) HWY_ATTR { return min(max(number, zero), most); };
+    F number = beyond(part.values.f0), depth = s.green, left = left_at(depth),
+      here = mul(shown(number), left), found = max(s.red, here);
+    F before = set(INFINITY);  // a part has no peak at its front
+    for (int k = 1; k <= pieces; ++k) {
+      const F next = beyond(part.values.at(set(float(k) / pieces)));
+      const F next_depth = fma(half_length, add(shown(number), shown(next)), depth),
+              next_left = left_at(next_depth), there = mul(shown(next), next_left);
+      const F rise = mul(half, sub(there, before)), bend = sub(add(here, here), add(before, there));
+      const F peak = fma(mul(half, rise), div(rise, bend), here);
+      const M at_peak = but_not(greater(bend, zero), either(greater(before, here), greater(there, here)));
+      found = max(choose(at_peak, min(peak, mul(most, left)), there), max(there, found));
+      // Where it reaches the most is a peak, too.
+      const M reaches = but_not(greater(next, most), greater(number, most));
+      const F way = div(sub(most, number), sub(next, number));
+      const F reached = left_at(fma(mul(half_length, way), add(shown(number), most), depth));
+      found = choose(reaches, max(mul(most, reached), found), found);
+      number = next, depth = next_depth, left = next_left, before = here, here = there;
+    }
+    s.red = choose(part.there, found, s.red);
+    s.green = choose(part.there, depth, s.green);
+    s.opacity = choose(but_not(part.there, greater(mul(most, left), s.red)), set(1.0F), s.opacity);
   }
 
   /// Shows the surface where the field's side of its value changes first.

@@ -168,7 +168,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     // Nothing was taken where no GP had anything to say.
     if (!ready_) scale_ = {};
     const Projection projection = make_projection(*frame_, scale_.code);
-    colours_.set_function(frame_->shown.transfer_function);
+    colours_.set_function(frame_->shown.transfer_function, frame_->shown.mode);
     std::atomic<std::size_t> next = 0;
     threads_.run(threads_.size(), [&](int) {
       for (std::size_t slot = next++; slot < images_.count(); slot = next++)

@@ -54,6 +54,9 @@ TransparentValues transparent_values(const Shown& shown) {
     case Mode::mip:
       // All extrema up to the function's first point look alike, and those that are clear.
       return TransparentValues(Intervals{{-infinity, std::max(clear_to, first), true, true}});
+    case Mode::attenuated:
+      return TransparentValues(
+          Intervals{{-infinity, shown.transfer_function.colours.front().value, true, true}});
     case Mode::minip:
       return TransparentValues(Intervals{{std::min(clear_from, last), infinity, true, true}});
     case Mode::mean:

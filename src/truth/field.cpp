@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -30,6 +31,10 @@ class FieldIntegrator : Tracer {
     const LatticeRay ray = rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return Rgba(0.0);
     if (scene_.frame.shown.mode == Mode::surface) return first_surface(ray);
+    if (scene_.frame.shown.mode == Mode::attenuated) {
+      const double value = dimmed(ray);
+      return Rgba(scene_.frame.shown.values ? glm::dvec3(value) : curve_.at(value).colour, 1);
+    }
     if (scene_.frame.shown.mode != Mode::composite) {
       const double value = projected(ray);
       return scene_.frame.shown.values ? Rgba(glm::dvec3(value), 1) : classified(value);
@@ -89,6 +94,50 @@ class FieldIntegrator : Tracer {
     const auto& spacing = scene_.grid.spacing;
     if (scene_.frame.shown.mode == Mode::sum) return integral * std::min({spacing.x, spacing.y, spacing.z});
     return scene_.frame.shown.mode == Mode::mean ? integral / (ray.leave - ray.enter) : extremum;
+  }
+
+  /// The most of what is left of values in the colours' window behind others.
+  double dimmed(const LatticeRay& ray) const {
+    const TransferFunction& tf = scene_.frame.shown.transfer_function;
+    const double low = tf.colours.front().value, high = tf.colours.back().value;
+    if (!(low < high)) return low;
+    double densest = 0, depth = 0, most = 0;
+    for (const auto& point : tf.opacities) densest = std::max(densest, point.opacity);
+    const double dimming = extinction(std::min(densest, 0.999));
+    for (const Crossing& crossing : crossings(ray)) {
+      const auto cubic = cubic_in(ray, crossing);
+      if (!cubic) continue;
+      const auto share = [&](double s) { return std::clamp((cubic->at(s) - low) / (high - low), 0.0, 1.0); };
+      // Between these the share is a cubic that falls, or rises, or stays.
+      const std::vector<double> cuts = cuts_at_knots(*cubic, {low, high});
+      for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+        const double a = cuts[i], b = cuts[i + 1];
+        const auto depth_at = [&](double s) {
+          const double way = (s - a) * (crossing.leave - crossing.enter);
+          return depth + dimming * way * (share(a) + 4 * share(0.5 * (a + s)) + share(s)) / 6;
+        };
+        const auto left = [&](double s) { return share(s) * std::exp(-depth_at(s)); };
+        most = std::max({most, left(a), left(b)});
+        if (share(a) < share(b) && share(b) * std::exp(-depth) > most)
+          most = std::max(most, highest(left, a, b));
+        depth = depth_at(b);
+      }
+    }
+    return std::lerp(low, high, most);
+  }
+
+  /// Between a and b, where it turns a few times at most.
+  template <class Function>
+  static double highest(const Function& f, double a, double b) {
+    constexpr int parts = 4;
+    constexpr int digits = 26;  // of the place, in bits: the value is flat there
+    double most = f(a);
+    for (int k = 0; k < parts; ++k)
+      most = std::max(most, -boost::math::tools::brent_find_minima(
+                                 [&](double s) { return -f(s); }, std::lerp(a, b, double(k) / parts),
+                                 std::lerp(a, b, double(k + 1) / parts), digits)
+                                 .second);
+    return most;
   }
 
   /// Of a lattice point, behind the plane through the volume's middle.

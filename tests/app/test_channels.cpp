@@ -54,7 +54,7 @@ struct Stacks {
 
 TEST_CASE("channels are added, each in its colour") {
   const Stacks stacks;
-  const auto mode = GENERATE(as<std::string>{}, "mip", "mean", "sum", "minip");
+  const auto mode = GENERATE(as<std::string>{}, "mip", "mean", "sum", "minip", "attenuated");
   const Image one = stacks.picture("0=white", {"--mode", mode}),
               other = stacks.picture("1=white", {"--mode", mode}),
               both = stacks.picture("0,1", {"--mode", mode});

@@ -149,7 +149,7 @@ TEST_CASE("sheets draw the same bits with every vector instruction set and any n
 
 TEST_CASE("all modes draw the same bits for any ranks, threads and vector instruction sets") {
   std::vector<std::byte> storage;
-  for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface})
+  for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface, Mode::attenuated})
     for (const auto& [type, scale] : {std::pair{ScalarType::uint8, 1.0}, {ScalarType::float32, 1e-3}})
       for (const Camera& camera : views) {
         const auto source = retyped("jack", {30, 34, 27}, type, scale, storage);
@@ -157,7 +157,8 @@ TEST_CASE("all modes draw the same bits for any ranks, threads and vector instru
         spec.shown.mode = mode;
         spec.shown.isovalue = 90 * scale;
         spec.shown.transfer_function = two_bands(scale * (mode == Mode::sum ? 20 : 1));
-        for (auto& point : spec.shown.transfer_function.opacities) point.opacity = 1;
+        for (auto& point : spec.shown.transfer_function.opacities)
+          point.opacity = mode == Mode::attenuated ? 0.1 : 1;
         const Image alone = render_loopback(*source, spec, 1, 1).image;
         INFO(fmt::format("{}, {}, azimuth {}", name(mode), to_string(type), camera.azimuth));
         REQUIRE(shows_something(alone));

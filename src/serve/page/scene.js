@@ -15,7 +15,7 @@ const checks = {
   camera: (c) => typeof c === 'object' && c !== null && Object.entries(c).every(([key, value]) =>
     (key === 'pan' ? isNumbers(value, 2) : Number.isFinite(value)) && (key !== 'zoom' || value > 0)),
   transfer_function: isTransferFunction,
-  mode: (m) => ['composite', 'mip', 'minip', 'mean', 'sum', 'surface'].includes(m),
+  mode: (m) => ['composite', 'mip', 'attenuated', 'minip', 'mean', 'sum', 'surface'].includes(m),
   isovalue: Number.isFinite,
   shading: (s) => s === 'phong' || s === 'none',
   light: (l) => isNumbers(l, 3) && Math.hypot(...l) > 0,
