@@ -94,7 +94,7 @@ Series<N> series_of(const Polynomial& p, const Interval& place, double reach) {
     for (int k = 0; k <= std::min(N, 3); ++k) s[k] = q[std::size_t(k)];
     return s;
   }
-  const Interval v = within(reach), square{0, Interval::up(reach * reach)}, cube = v * square;
+  const Interval v = within(reach), square{0, OutwardRounding::up(reach * reach)}, cube = v * square;
   s[0] = with_product(with_product(with_product(q[0], q[1], v), q[2], square), q[3], cube);
   if constexpr (N >= 1) s[1] = q[1] + 2.0 * q[2] * v + 3.0 * q[3] * square;
   if constexpr (N >= 2) s[2] = q[2] + 3.0 * q[3] * v;

@@ -68,13 +68,11 @@ TEST_CASE("results of intervals hold the results of their members, and hardly mo
   CHECK(wide == 0);
 }
 
-TEST_CASE("what is no number, or may be divided by zero, stays so") {
-  const double infinity = std::numeric_limits<double>::infinity();
-  const Interval none(2, 1), whole(-infinity, infinity), zero(0), one(1);
+TEST_CASE("what is no number stays so, and what may be divided by zero is anything") {
+  const Interval none(2, 1), zero(0), one(1);
   CHECK(is_none(none));
-  for (const Interval& x :
-       {none + one, one - none, none * zero, zero * none, whole * zero, one / Interval(-1, 1), none / 3.0})
-    CHECK(is_none(x));
+  for (const Interval& x : {none + one, one - none, none * zero, zero * none, none / 3.0}) CHECK(is_none(x));
+  CHECK(std::isinf(width(one / Interval(-1, 1))));
   CHECK(holds(hull(Interval::empty(), one), 1));
   CHECK(width(hull(Interval::empty(), one)) < 1e-15);
 }
