@@ -76,8 +76,6 @@ class Server {
     set_log_sink([this](LogLevel level, const std::string& text) { answer_.log.push_back({level, text}); });
   }
   ~Server() { set_log_sink({}); }
-  Server(const Server&) = delete;
-  Server& operator=(const Server&) = delete;
 
   void run() {
     while (const auto message = receive_message(decode_socket)) {

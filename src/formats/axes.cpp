@@ -1,7 +1,5 @@
 #include "formats/axes.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <set>

@@ -20,8 +20,6 @@ class XmlReader {
   using Attributes = std::map<std::string, std::string>;
 
   virtual ~XmlReader() = default;
-  XmlReader(const XmlReader&) = delete;
-  XmlReader& operator=(const XmlReader&) = delete;
 
  protected:
   /// `encoding`: what the text says of it counts when this is null.

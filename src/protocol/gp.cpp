@@ -69,8 +69,6 @@ struct GpFrame {
   bool dropped = false;  ///< slices not yet sent are skipped
   NodeStats stats;
 
-  bool owns_front() const { return !steps.empty() && steps.front() == shown.front(); }
-  bool owns(int step) const { return std::binary_search(steps.begin(), steps.end(), step); }
   /// The shown step after `step`, if any.
   std::optional<int> after(int step) const {
     const auto next = std::upper_bound(shown.begin(), shown.end(), step);
@@ -96,21 +94,17 @@ struct GpFrame {
       if (!slice.awaiting_accept.empty())
         return fmt::format("{} waits for Renderer {} to accept step {} of frame {}", gp,
                            slice.awaiting_accept.begin()->first, slice.step, number);
+      // Owner of the shown step before this one, or of the first shown step.
+      const auto here = std::lower_bound(shown.begin(), shown.end(), slice.step);
+      const int before = here == shown.begin() ? shown.front() : *std::prev(here);
       return fmt::format("{} waits for {} token(s) of step {} of frame {} from GP {}", gp, slice.tokens_left,
-                         slice.step, number, owner_before(slice.step));
+                         slice.step, number, plan.owners[std::size_t(before)]);
     }
     if (steps_done < steps.size()) return fmt::format("{} has slices of frame {} left to encode", gp, number);
     if (!left_behind.empty())
       return fmt::format("{} waits for Renderer {} to accept a payload of frame {}", gp,
                          left_behind.begin()->first, number);
     return {};
-  }
-
- private:
-  /// Owner of the shown step before this one, or of the first shown step.
-  int owner_before(int step) const {
-    const auto here = std::lower_bound(shown.begin(), shown.end(), step);
-    return plan.owners[std::size_t(here == shown.begin() ? shown.front() : *std::prev(here))];
   }
 };
 
@@ -127,7 +121,8 @@ class Gp final : public Node {
   NodeId id() const override { return {Role::gp, my_.index}; }
   void begin_frame(const Announcement& announcement) override {
     frames_.push_back(std::make_unique<Frame>(my_.index, announcement, my_.layout.renderers, my_.engine));
-    if (frames_.back()->owns_front()) start_tokens(*frames_.back());
+    Frame& frame = *frames_.back();
+    if (!frame.steps.empty() && frame.steps.front() == frame.shown.front()) start_tokens(frame);
     finish_completed_frames();
   }
 
@@ -194,7 +189,7 @@ class Gp final : public Node {
 
   void take_token(Frame& frame, const Header& h) {
     const auto [place, credits] = fields_of<TokenFields>(h);
-    if (!frame.owns(place.step))
+    if (!std::binary_search(frame.steps.begin(), frame.steps.end(), place.step))
       throw RunError(
           fmt::format("{} got Renderer {}'s token for step {} of frame {}, whose slice is not its own",
                       to_string(id()), place.renderer, place.step, h.frame));
@@ -265,12 +260,6 @@ class Gp final : public Node {
         TokenFields{.place = {*next, token.renderer, token.sequence}, .credits = token.credits})));
   }
 
-  std::size_t prepared_slices() const {
-    std::size_t count = 0;
-    for (const auto& frame : frames_) count += frame->prepared.size();
-    return count;
-  }
-
   /// Encodes a piece of the next slice; idle when there is none, or no room for it.
   Turn encode_some() {
     // The earliest frame with slices left: a later frame's slices never take the room an earlier one needs.
@@ -283,7 +272,9 @@ class Gp final : public Node {
     const Turn worked{Activity::slice, frame.number, step};
     if (encoder.prepare()) return worked;
     if (!frame.encoding) {
-      if (prepared_slices() >= std::size_t(my_.options.look_ahead)) return {};
+      std::size_t prepared = 0;
+      for (const auto& one : frames_) prepared += one->prepared.size();
+      if (prepared >= std::size_t(my_.options.look_ahead)) return {};
       encoder.begin(step);
       frame.encoding = true;
     }
@@ -313,14 +304,11 @@ class Gp final : public Node {
     for (const auto& frame : frames_) frame->retire_slices();
     while (!frames_.empty() && frames_.front()->done()) {
       book(waiting());
-      report(*frames_.front());
+      Frame& frame = *frames_.front();
+      frame.stats.slice_memory = frame.encoder->slice_memory();
+      my_.post(make_report(id(), frame.number, frame.stats));
       frames_.pop_front();
     }
-  }
-
-  void report(Frame& frame) {
-    frame.stats.slice_memory = frame.encoder->slice_memory();
-    my_.post(make_report(id(), frame.number, frame.stats));
   }
 
   /// What this node waits for on its oldest frame.

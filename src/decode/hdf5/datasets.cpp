@@ -22,12 +22,7 @@ constexpr std::size_t most_listed = 20;
 struct Found {
   std::string path, type;
   std::vector<int> dims;
-  int extended() const {  ///< dimensions of more than one voxel
-    return int(std::count_if(dims.begin(), dims.end(), [](int size) { return size > 1; }));
-  }
 };
-
-std::string shape_of(const Found& found) { return joined(found.dims, "x") + " " + found.type; }
 
 /// Names of what lies in the group itself: links to elsewhere are not followed.
 std::vector<std::string> names_in(hid_t group) {
@@ -85,15 +80,6 @@ class Walk {
   std::set<std::uint64_t> visited_;
 };
 
-/// Every access property list that opens through links: at a link to another file it fails.
-Id within_file() {
-  Id access(H5Pcreate(H5P_LINK_ACCESS));
-  const auto refuse = [](const char*, const char*, const char*, const char*, unsigned*, hid_t,
-                         void*) -> herr_t { return -1; };
-  H5Pset_elink_cb(access.get(), refuse, nullptr);
-  return access;
-}
-
 /// A dataset's path from the group `below`.
 std::string name_of(const Found& found, const std::string& below) {
   const bool within = below != "/" && found.path.starts_with(below + "/");
@@ -103,7 +89,8 @@ std::string name_of(const Found& found, const std::string& below) {
 std::string listed(const std::vector<Found>& found, const std::string& below) {
   std::string text;
   for (std::size_t k = 0; k < found.size() && k < most_listed; ++k)
-    text += fmt::format("{}{} ({})", k == 0 ? "" : ", ", name_of(found[k], below), shape_of(found[k]));
+    text += fmt::format("{}{} ({} {})", k == 0 ? "" : ", ", name_of(found[k], below),
+                        joined(found[k].dims, "x"), found[k].type);
   if (found.size() > most_listed) text += fmt::format(" and {} more", found.size() - most_listed);
   return text;
 }
@@ -114,8 +101,9 @@ std::string only_one(const Walk& walk, const std::filesystem::path& path, const 
   std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.path < b.path; });
   for (const int least : {3, 2, 0}) {
     std::vector<Found> fit;
-    std::copy_if(found.begin(), found.end(), std::back_inserter(fit),
-                 [&](const Found& one) { return one.extended() >= least; });
+    std::copy_if(found.begin(), found.end(), std::back_inserter(fit), [&](const Found& one) {
+      return std::count_if(one.dims.begin(), one.dims.end(), [](int size) { return size > 1; }) >= least;
+    });
     if (fit.size() == 1 && walk.complete()) return fit.front().path;
     if (fit.empty()) continue;
     throw InputError(fmt::format("{} holds several datasets: {}{}", path.string(), listed(fit, below),
@@ -129,17 +117,7 @@ std::string only_one(const Walk& walk, const std::filesystem::path& path, const 
                    "h5dump -n lists what it holds");
 }
 
-/// openPMD's iterations in one file: the numbers in place of %T, ascending.
-std::vector<std::uint64_t> iterations_in(hid_t file, const std::string& before, const std::string& behind) {
-  const Id group(H5Gopen2(file, before.c_str(), H5P_DEFAULT));
-  std::vector<std::uint64_t> numbers;
-  if (!group || behind != "/") return numbers;
-  for (const auto& name : names_in(group.get()))
-    if (const auto number = number_in<std::uint64_t>(name)) numbers.push_back(*number);
-  std::sort(numbers.begin(), numbers.end());
-  return numbers;
-}
-
+/// openPMD's iterations in one file: the numbers in place of %T.
 Iterations choose_iteration(hid_t file, const std::filesystem::path& path, const VolumeChoice& choice) {
   const Id root(H5Gopen2(file, "/", H5P_DEFAULT));
   Iterations all;
@@ -147,22 +125,18 @@ Iterations choose_iteration(hid_t file, const std::filesystem::path& path, const
   const auto base = text_of(root.get(), "basePath").value_or("/data/%T/");
   const auto at = base.find("%T");
   if (at == std::string::npos) return all;
-  const auto numbers = iterations_in(file, base.substr(0, at), base.substr(at + 2));
+  const std::string before = base.substr(0, at);
+  const Id group(H5Gopen2(file, before.c_str(), H5P_DEFAULT));
+  if (!group || base.substr(at + 2) != "/") return all;
+  std::vector<std::uint64_t> numbers;
+  for (const auto& name : names_in(group.get()))
+    if (const auto number = number_in<std::uint64_t>(name)) numbers.push_back(*number);
   if (numbers.empty()) return all;
+  std::sort(numbers.begin(), numbers.end());
   all.count = int(numbers.size());
   const int frame = chosen_frame(choice, all.count, path, "iterations");
-  all.group = base.substr(0, at) + fmt::format("{}", numbers[std::size_t(frame)]);
+  all.group = before + fmt::format("{}", numbers[std::size_t(frame)]);
   return all;
-}
-
-/// Where volumes are in a file of a known convention.
-void walk_all(hid_t file, const Iterations& iterations, Walk& walk) {
-  if (H5Lexists(file, "VTKHDF", H5P_DEFAULT) > 0) {
-    walk.group("/VTKHDF/PointData");
-    walk.group("/VTKHDF/CellData");
-  }
-  if (!walk.found.empty()) return;
-  walk.group(iterations.group);
 }
 
 }  // namespace
@@ -202,7 +176,11 @@ std::vector<int> dims_of(hid_t dataset) {
 }
 
 Id open_object(hid_t file, const std::string& path, const std::string& where) {
-  const Id access = within_file();
+  // At a link to another file it fails.
+  const Id access(H5Pcreate(H5P_LINK_ACCESS));
+  const auto refuse = [](const char*, const char*, const char*, const char*, unsigned*, hid_t,
+                         void*) -> herr_t { return -1; };
+  H5Pset_elink_cb(access.get(), refuse, nullptr);
   Id object(H5Oopen(file, path.c_str(), access.get()));
   if (!object)
     fail(fmt::format("{}: it is not there, damaged, or in another file that a link names", where),
@@ -215,7 +193,11 @@ std::string choose_dataset(hid_t file, const std::filesystem::path& path, const 
   iterations = choose_iteration(file, path, choice);
   Walk walk(file);
   if (named.empty() || named == "/") {
-    walk_all(file, iterations, walk);
+    if (H5Lexists(file, "VTKHDF", H5P_DEFAULT) > 0) {
+      walk.group("/VTKHDF/PointData");
+      walk.group("/VTKHDF/CellData");
+    }
+    if (walk.found.empty()) walk.group(iterations.group);
     return only_one(walk, path, iterations.group);
   }
   std::string full = named.front() == '/' ? named : fmt::format("/{}", named);

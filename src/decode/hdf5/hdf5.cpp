@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <map>
 #include <span>
 #include <vector>
@@ -103,18 +102,14 @@ class DatasetSource final : public LayeredSource {
               grid().type, out.subspan(out.size() / count * at, out.size() / count));
       }
     } else if (selection_.value.wide) {
-      read_wide(begin, end, out);
+      // 64-bit integers as float64, in place.
+      const bool is_signed = selection_.value.name.find("uint") == std::string::npos;
+      read_as(is_signed ? H5T_NATIVE_INT64 : H5T_NATIVE_UINT64, begin, end, out.data());
+      doubles_of_integers(out, is_signed, selection_.where);
     } else {
       read_as(memory_type(grid().type), begin, end, out.data());
     }
     require_unchanged(selection_.file);
-  }
-
-  /// 64-bit integers as float64, in place.
-  void read_wide(int begin, int end, std::span<std::byte> out) {
-    const bool is_signed = selection_.value.name.find("uint") == std::string::npos;
-    read_as(is_signed ? H5T_NATIVE_INT64 : H5T_NATIVE_UINT64, begin, end, out.data());
-    doubles_of_integers(out, is_signed, selection_.where);
   }
 
   void read_as(hid_t type, int begin, int end, void* out) {

@@ -80,18 +80,15 @@ void describe_coordinates(hid_t scale, DatasetAxis& axis) {
   if (axis.role == Role::frame) axis.spacing = 1;
 }
 
-bool points_down(hid_t scale, const DatasetAxis& axis) {
-  const auto positive = lower_case(text_of(scale, "positive").value_or(""));
-  return positive == "down" || (positive.empty() && is_pressure(axis.unit));
-}
-
 void describe_axis(hid_t scale, DatasetAxis& axis, const std::string& where) {
   axis.name = last_part(scale);
   describe_by_name(axis);
   describe_coordinates(scale, axis);
   if (axis.role != Role::space) return;
   place(axis, coordinates_of(scale, axis.size), where);
-  if (!points_down(scale, axis)) return;
+  const auto positive = lower_case(text_of(scale, "positive").value_or(""));
+  const bool down = positive == "down" || (positive.empty() && is_pressure(axis.unit));
+  if (!down) return;
   axis.sign = -axis.sign;
   axis.first = -axis.first;
 }

@@ -26,15 +26,6 @@ std::optional<std::int64_t> count_in(const Attributes& a, const char* key) {
   return number_in<std::int64_t>(trimmed(text_in(a, key)));
 }
 
-Attributes lines_of(const std::string& description) {
-  Attributes lines;
-  std::istringstream text(description);
-  for (std::string line; std::getline(text, line);)
-    if (const auto equals = line.find('='); equals != std::string::npos)
-      lines[trimmed(line.substr(0, equals))] = trimmed(line.substr(equals + 1));
-  return lines;
-}
-
 /// ImageJ's pixels have a size when they have a unit; one that it does not write is 1 (ij/io/FileSaver.java).
 void read_sizes(const std::array<double, 2>& resolution, Attributes& lines, Microscopy& said) {
   const auto& unit = lines["unit"];
@@ -53,7 +44,11 @@ void read_sizes(const std::array<double, 2>& resolution, Attributes& lines, Micr
 }
 
 Microscopy read_image_j(const std::string& description, const std::array<double, 2>& resolution) {
-  auto lines = lines_of(description);
+  Attributes lines;
+  std::istringstream text(description);
+  for (std::string line; std::getline(text, line);)
+    if (const auto equals = line.find('='); equals != std::string::npos)
+      lines[trimmed(line.substr(0, equals))] = trimmed(line.substr(equals + 1));
   Microscopy said;
   said.by = "ImageJ";
   said.channels = count_in(lines, "channels").value_or(1);

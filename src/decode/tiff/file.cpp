@@ -91,7 +91,7 @@ class TiffChain {
     found.big_endian = big_endian_;
     if (!is_tiff_) return found;
     const auto most = file_.size() / (count_bytes() + offset_bytes());
-    for (auto at = first_page(); at != 0;) {
+    for (auto at = number(wide_ ? 8 : 4, offset_bytes()); at != 0;) {
       if (found.pages.size() > most) refuse(file_.path(), "write the file again", "its pages form a loop");
       at = read_page(at, found);
     }
@@ -99,7 +99,6 @@ class TiffChain {
   }
 
  private:
-  std::uint64_t first_page() const { return number(wide_ ? 8 : 4, offset_bytes()); }
   std::size_t offset_bytes() const { return wide_ ? 8 : 4; }
   std::size_t count_bytes() const { return wide_ ? 8 : 2; }
   std::size_t entry_bytes() const { return wide_ ? 20 : 12; }
@@ -216,30 +215,15 @@ class TiffChain {
   bool is_tiff_ = false, big_endian_ = false, wide_ = false;
 };
 
-std::optional<ScalarType> scalar_type_of(SampleType type) {
-  if (type == SampleType::float16) return ScalarType::float32;
-  return type == SampleType::other ? std::nullopt : std::optional(ScalarType(type));
-}
-
-bool same_shape(const TiffFile& a, const TiffFile& b) {
-  return a.width == b.width && a.height == b.height && a.type == b.type && a.samples == b.samples;
-}
-
-/// A palette's indices are what was measured; the library gives their colours, so they are read without it
-/// where that is possible.
-bool has_raw_indices(const TiffPage& page, const ImageShape& shape) {
-  return page.palette && page.raw_bytes == std::uint64_t(shape.width) * std::uint64_t(shape.height);
-}
-
 void set_shape(const ImageShape& shape, bool indices, TiffFile& file) {
   if (shape.depth > 1) refuse(file.path, "write one slice a page", "{} planes in one page", shape.depth);
-  const auto type = indices ? ScalarType::uint8 : scalar_type_of(shape.type);
-  if (!type)
+  if (!indices && shape.type == SampleType::other)
     refuse(file.path, "convert them to at most 32 bits or float first",
            "pixels of type {} cannot be rendered", shape.type_name);
   file.width = shape.width;
   file.height = shape.height;
-  file.type = *type;
+  const bool half = shape.type == SampleType::float16;
+  file.type = indices ? ScalarType::uint8 : half ? ScalarType::float32 : ScalarType(shape.type);
   file.samples = indices ? 1 : shape.channels;
   file.has_alpha = !indices && shape.alpha_channel >= 0 && shape.alpha_channel == shape.channels - 1;
 }
@@ -264,12 +248,16 @@ void add_pages(const TiffPages& chain, TiffFile& file) {
     const TiffPage& page = chain.pages[index];
     if (page.beside && !none_else) continue;
     const ImageShape shape = image->shape();
-    const bool indices = has_raw_indices(page, shape);
+    // A palette's indices are what was measured; the library gives their colours, so they are read without
+    // it where that is possible.
+    const bool indices =
+        page.palette && page.raw_bytes == std::uint64_t(shape.width) * std::uint64_t(shape.height);
     TiffFile found;
     found.path = file.path;
     set_shape(shape, indices, found);
     if (file.planes.empty()) set_shape(shape, indices, file);
-    if (!same_shape(found, file))
+    if (found.width != file.width || found.height != file.height || found.type != file.type ||
+        found.samples != file.samples)
       refuse(file.path, "all slices must have one size and type",
              "page {} is {} x {} {}, the pages before it are {} x {} {}", index, found.width, found.height,
              to_string(found.type), file.width, file.height, to_string(file.type));

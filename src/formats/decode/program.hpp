@@ -21,8 +21,6 @@ class DecodeProgram {
 
   explicit DecodeProgram(const std::string& file);
   ~DecodeProgram();
-  DecodeProgram(const DecodeProgram&) = delete;
-  DecodeProgram& operator=(const DecodeProgram&) = delete;
 
   /// Passes the answer's lines on to the log. Throws its failure, and InputError that names `path` and the
   /// `library` that reads it when the program ends instead of answering. Of a request to read, `voxels` are
