@@ -36,11 +36,6 @@ fs::path hidden_name(const fs::path& path) {
   return folder_of(path) / fmt::format("{}{}-{}", mark, getpid(), counter++);
 }
 
-bool is_hidden_name(const std::string& name) {
-  return name.starts_with(mark) && name.size() > mark.size() &&
-         std::isdigit(static_cast<unsigned char>(name[mark.size()])) != 0;
-}
-
 /// A file's writer holds a lock on it, but may not have come to that yet.
 void remove_if_abandoned(const fs::path& path) {
   constexpr time_t old_enough = 60;  // seconds
@@ -60,8 +55,12 @@ void remove_abandoned_once(const fs::path& folder) {
   std::error_code error;
   const std::lock_guard held(lock);
   if (!done.insert(fs::weakly_canonical(folder, error)).second) return;
-  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-    if (is_hidden_name(entry->path().filename().string())) remove_if_abandoned(entry->path());
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    if (name.starts_with(mark) && name.size() > mark.size() &&
+        std::isdigit(static_cast<unsigned char>(name[mark.size()])) != 0)
+      remove_if_abandoned(entry->path());
+  }
 }
 
 }  // namespace
@@ -130,10 +129,6 @@ class TemporaryFile {
 namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
-
-bool is_the_disks_fault(int reason) {
-  return reason == ENOSPC || reason == EDQUOT || reason == EFBIG || reason == EIO;
-}
 
 const char* hint_for(int reason) {
   if (reason == ENOSPC || reason == EDQUOT) return "make room on the disk, or choose another one";
@@ -253,8 +248,10 @@ void check_can_write(const fs::path& path, const std::string& option) {
   if (!error) return;
   const std::string problem =
       fmt::format("{} {} cannot be written: {}", option, path.string(), error.message());
-  if (is_the_disks_fault(error.value())) throw RunError(problem, hint_for(error.value()));
-  throw InputError(problem, hint_for(error.value()));
+  const int why = error.value();
+  const bool disks_fault = why == ENOSPC || why == EDQUOT || why == EFBIG || why == EIO;
+  if (disks_fault) throw RunError(problem, hint_for(why));
+  throw InputError(problem, hint_for(why));
 }
 
 }  // namespace ringsplat

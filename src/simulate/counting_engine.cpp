@@ -52,13 +52,6 @@ struct Measured {
   std::size_t bytes = 0;
   int slices = 0;
   PaintWork work;
-
-  void add(const MeasuredPayload& slice, bool joined) {
-    bytes = joined ? joined_with(bytes, slice.bytes) : slice.bytes;
-    ++slices;
-    work.blocks += slice.work.blocks;
-    work.samples += slice.work.samples;
-  }
 };
 
 Measured read_measured(std::span<const std::byte> body, bool joined) {
@@ -67,7 +60,10 @@ Measured read_measured(std::span<const std::byte> body, bool joined) {
     BundlePart part;
     MeasuredPayload slice;
     if ((joined && !take_part(body, at, part)) || !take(body, at, slice)) break;
-    all.add(slice, joined);
+    all.bytes = joined ? joined_with(all.bytes, slice.bytes) : slice.bytes;
+    ++all.slices;
+    all.work.blocks += slice.work.blocks;
+    all.work.samples += slice.work.samples;
   }
   return all;
 }
@@ -110,17 +106,13 @@ class CountingEncoder final : public EncoderDecorator {
     said.slices = std::uint64_t(measured.slices) & ((1U << 24) - 1);
     said.work = measured.work;
     for (const int tile : part.tiles) said.tiles |= bits_[std::size_t(tile)];
-    part.payload = counted(std::max(sizeof said, std::size_t(times(weights_.items, measured.bytes))), said);
+    const auto size = std::max(sizeof said, std::size_t(times(weights_.items, measured.bytes)));
+    part.payload = Message::body_buffer();
+    part.payload.reserve(part.payload.size() + size);
+    append(part.payload, said);
+    // The rest is never written or read, so it takes no memory until it is sent.
+    part.payload.resize(part.payload.size() + size - sizeof said);
     part.items = static_cast<std::uint32_t>(said.items);
-  }
-
-  /// The rest is never written or read, so it takes no memory until it is sent.
-  static Bytes counted(std::size_t size, const Said& said) {
-    Bytes body = Message::body_buffer();
-    body.reserve(body.size() + size);
-    append(body, said);
-    body.resize(body.size() + size - sizeof said);
-    return body;
   }
 
   std::vector<std::uint64_t> bits_;  ///< by tile
@@ -263,18 +255,14 @@ MethodEngine measured_engine(const char* method, double voxel_weight) {
           }};
 }
 
-/// The engines of one rank, whose encoders make measured payloads (simulate/meter.hpp), which nobody can
-/// draw. Each voxel stands for `voxel_weight` of its slice: sheets have as many blocks as those would
-/// make; splats are as many as voxels, with kernels as large as those would have.
-std::unique_ptr<Engine> make_measured_engines(const EngineSetup& setup, double voxel_weight) {
-  return make_engines(setup, {measured_engine<SplatFrame, EmptySpace>(Splats::name, voxel_weight),
-                              measured_engine<SheetFrame, SliceBlocks>(Sheets::name, voxel_weight)});
-}
-
 }  // namespace
 
 std::unique_ptr<Engine> make_counting_engine(const EngineSetup& setup, double voxel_weight) {
-  auto engine = make_measured_engines(setup, voxel_weight);
+  // Their encoders make measured payloads (simulate/meter.hpp), which nobody can draw. Each voxel stands for
+  // `voxel_weight` of its slice: sheets have as many blocks as those would make; splats are as many as
+  // voxels, with kernels as large as those would have.
+  auto engine = make_engines(setup, {measured_engine<SplatFrame, EmptySpace>(Splats::name, voxel_weight),
+                                     measured_engine<SheetFrame, SliceBlocks>(Sheets::name, voxel_weight)});
   if (setup.bundle > 1) engine = make_bundle_engine(std::move(engine), setup.bundle);
   return std::make_unique<CountingEngine>(std::move(engine), voxel_weight);
 }

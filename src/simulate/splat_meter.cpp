@@ -25,11 +25,6 @@ KernelReach beyond_voxel_of(const FrameGeometry& g, double weight) {
   return {std::llround(beyond.x), std::llround(beyond.y)};
 }
 
-std::size_t bytes_of_voxel(Precision precision) {
-  constexpr std::size_t bytes[]{sizeof(FloatVoxel), sizeof(HalfVoxel), sizeof(ByteVoxel)};
-  return bytes[std::size_t(precision)];
-}
-
 /// The pixels of a slice that a Renderer composites in a region: in each row the run from the first to the
 /// last pixel block that a kernel may reach (as SplatSum does).
 class PixelRuns {
@@ -64,12 +59,6 @@ class PixelRuns {
   std::vector<PixelRun> rows_;  ///< none where nothing was added
 };
 
-std::vector<PixelRuns> runs_in(const Regions& regions) {
-  std::vector<PixelRuns> runs;
-  for (int region = 0; region < regions.count(); ++region) runs.emplace_back(regions.rect(region));
-  return runs;
-}
-
 class SplatMeter {
  public:
   SplatMeter(std::shared_ptr<const SplatFrame> frame, double voxel_weight)
@@ -77,8 +66,10 @@ class SplatMeter {
         reach_(kernel_reach(frame_->footprint)),
         beyond_(beyond_voxel_of(geometry(), voxel_weight)),
         dda_(geometry().view, geometry().traversal.axis,
-             geometry().grid.slice_width(geometry().traversal.axis)),
-        pixels_(runs_in(geometry().regions)) {}
+             geometry().grid.slice_width(geometry().traversal.axis)) {
+    const Regions& regions = geometry().regions;
+    for (int region = 0; region < regions.count(); ++region) pixels_.emplace_back(regions.rect(region));
+  }
 
   std::vector<MeteredWork> operator()(int step, const std::vector<EncodedPart>& parts) {
     std::vector<MeteredWork> work(parts.size());
@@ -116,8 +107,10 @@ class SplatMeter {
   }
 
   void include_runs(std::span<const std::byte> body) {
+    constexpr std::size_t bytes_of[]{sizeof(FloatVoxel), sizeof(HalfVoxel), sizeof(ByteVoxel)};
+    const std::size_t voxel_bytes = bytes_of[std::size_t(frame_->splats.precision)];
     BlockGroup group;
-    for (std::size_t at = 0; take(body, at, group); at += group.voxels * bytes_of_voxel(precision()))
+    for (std::size_t at = 0; take(body, at, group); at += group.voxels * voxel_bytes)
       for (std::uint32_t k = 0; k < group.blocks; ++k) {
         VoxelBlock block;
         if (!take(body, at, block)) return;
@@ -128,8 +121,6 @@ class SplatMeter {
         }
       }
   }
-
-  Precision precision() const { return frame_->splats.precision; }
 
   std::shared_ptr<const SplatFrame> frame_;
   KernelReach reach_, beyond_;

@@ -1,7 +1,5 @@
 #include "splat_engine/row_band.hpp"
 
-#include <utility>
-
 namespace ringsplat {
 
 EncoderFrame::EncoderFrame(const SplatFrame& splat_frame)

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <functional>
@@ -10,7 +9,6 @@
 
 #include "base/byte_stream.hpp"
 #include "frame/frame_geometry.hpp"
-#include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat/aligned_slice.hpp"
 #include "splat/splat_sum.hpp"

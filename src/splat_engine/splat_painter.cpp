@@ -39,7 +39,9 @@ class SplatPainter final : public FramePainter<SplatFrame> {
       parts_ = lanes_.front().reader->parts(body, [this](int region) { return images_.owns(region); });
     });
     slice_ = geometry().traversal.slice_at(step, geometry().slices);
-    voxel_ = voxel_of_slice();
+    glm::dvec3 voxel(0.0);
+    voxel[static_cast<int>(geometry().traversal.axis)] = slice_;
+    voxel_ = geometry().view.project(voxel);
     next_part_ = 0;
     // Waking a thread costs as much as some hundred splats.
     constexpr std::size_t bytes_worth_a_thread = 4096;
@@ -114,13 +116,6 @@ class SplatPainter final : public FramePainter<SplatFrame> {
     lane.reader->begin(slice_, parts_[k], images_.image(images_.slot_of(parts_[k].region)));
     lane.drawing = true;
     return true;
-  }
-
-  /// Position of one of the slice's voxels in the image plane.
-  glm::dvec2 voxel_of_slice() const {
-    glm::dvec3 voxel(0.0);
-    voxel[static_cast<int>(geometry().traversal.axis)] = slice_;
-    return geometry().view.project(voxel);
   }
 
   std::vector<Lane> lanes_;  ///< one for each thread

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "base/byte_stream.hpp"
-#include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat/splat.hpp"
 #include "splat/splat_sum.hpp"

@@ -74,12 +74,6 @@ double bounding_radius(const LatticeFrame& lattice) {
   return radius;
 }
 
-/// The point that the camera turns about, at depth 0, in lattice coordinates.
-glm::dvec3 centre_of(const Camera& camera, const LatticeFrame& lattice) {
-  if (!camera.target) return 0.5 * glm::dvec3(lattice.dims - 1);
-  return glm::inverse(lattice.direction) * (*camera.target - lattice.origin) / lattice.spacing;
-}
-
 /// Sets the picture's world axes for an eye that looks at a target; returns how far it is from there.
 double look(ViewTransform& view, const Camera& camera, const glm::dvec3& target) {
   const glm::dvec3 from_target = *camera.eye - target;
@@ -142,7 +136,10 @@ double nearer_by(const ViewTransform& view, const LatticeFrame& lattice, const g
 
 ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice, int width, int height) {
   ViewTransform view;
-  const glm::dvec3 centre = centre_of(camera, lattice);
+  // The point that the camera turns about, at depth 0, in lattice coordinates.
+  glm::dvec3 centre = 0.5 * glm::dvec3(lattice.dims - 1);
+  if (camera.target)
+    centre = glm::inverse(lattice.direction) * (*camera.target - lattice.origin) / lattice.spacing;
   const double radius = bounding_radius(lattice);
   double distance = radius * camera.distance;  // in the world; 0: follows from the field of view
   if (camera.eye)
