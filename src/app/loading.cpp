@@ -41,14 +41,6 @@ std::map<std::string, Host> machines_of(const std::vector<Place>& places) {
   return machines;
 }
 
-/// By rank. Collective.
-std::vector<Place> places_of_ranks(Collectives& collectives) {
-  std::vector<Place> places;
-  for (const Block& one : collectives.all_gather(to_bytes(Place{host_name(), allowed_cores()})))
-    places.push_back(from_bytes<Place>(one).value());
-  return places;
-}
-
 }  // namespace
 
 int shared_cores(const std::vector<Place>& places) {
@@ -110,7 +102,8 @@ void settle_threads(Job& job, const Launch& launch) {
 void settle_ranks(Job& job, Launch& launch) {
   const RunOptions& run = job.options.run;
   launch.collectives().set_patience({run.protocol.stall_timeout, run.protocol.stall_ends});
-  job.places = places_of_ranks(launch.collectives());
+  for (const Block& one : launch.collectives().all_gather(to_bytes(Place{host_name(), allowed_cores()})))
+    job.places.push_back(from_bytes<Place>(one).value());
   job.layout = choose_layout(run, launch.over_mpi(), launch.ranks(), ranks_with_cores(job.places));
   check(run.protocol);
   settle_threads(job, launch);

@@ -2,13 +2,11 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <utility>
 
 #include "app/commands.hpp"
@@ -31,20 +29,6 @@ namespace {
 
 constexpr std::size_t pictures_held = 4;  // in flight, a sum of channels, being encoded, a snapshot
 
-/// The page gets the names of all.
-void refuse_long_series(std::size_t volumes) {
-  constexpr std::size_t most = 10000;
-  if (volumes > most)
-    throw InputError(fmt::format("the series has {} volumes, the viewer shows {}", volumes, most),
-                     "choose fewer by --frames A:B:STEP");
-}
-
-/// Throws InputError when the first view cannot be drawn at some level.
-void check_first_view(FrameSpec frame, const Grid& grid) {
-  frame.shown.transfer_function = stand_in_function();
-  for (const auto& level : serve::make_levels(grid.dims)) check_frame(serve::at_level(frame, level), grid);
-}
-
 Job prepare(const ServeOptions& options, Launch& launch) {
   Job job;
   RenderOptions& o = job.options = options.picture;
@@ -54,13 +38,18 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   o.run.engine.encodes_pictures = true;
   launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function, o.colour); });
   find_volumes(job, launch);
-  refuse_long_series(job.volumes());
+  constexpr std::size_t most = 10000;  // the page gets the names of all
+  if (job.volumes() > most)
+    throw InputError(fmt::format("the series has {} volumes, the viewer shows {}", job.volumes(), most),
+                     "choose fewer by --frames A:B:STEP");
   const Grid& grid = job.volume.grid;
   o.frame.shown.reduction.prefilter = true;
   std::string view_note;
   launch.check_on_rank_0([&] {
     view_note = complete_view(o, grid, job.volume.notes);
-    check_first_view(o.frame, grid);
+    FrameSpec first = o.frame;
+    first.shown.transfer_function = stand_in_function();
+    for (const auto& level : serve::make_levels(grid.dims)) check_frame(serve::at_level(first, level), grid);
   });
   job.load = serve::needed_for_levels(o.frame, grid);
   settle_layout(job, pictures_held, job.channels_drawn(), launch);
@@ -136,18 +125,15 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   return v;
 }
 
-/// The user's own folder of what lasts no longer than a login, in memory; empty when there is none.
-std::filesystem::path fleeting_folder() {
-  const char* const own = std::getenv("XDG_RUNTIME_DIR");
-  return own != nullptr && access(own, W_OK | X_OK) == 0 ? own : "";
-}
-
 /// Every user of the machine can read what a program was started with, so xdg-open gets the name of a file
 /// that only its owner can reach, and that leads on to the address with its token. Its folder lasts as long
 /// as the job.
 std::unique_ptr<serve::PrivateFolder> open_in_browser(const std::string& url) {
   try {
-    auto folder = std::make_unique<serve::PrivateFolder>("page", fleeting_folder());
+    // The user's own folder of what lasts no longer than a login, in memory.
+    const char* const own = std::getenv("XDG_RUNTIME_DIR");
+    const bool usable = own != nullptr && access(own, W_OK | X_OK) == 0;
+    auto folder = std::make_unique<serve::PrivateFolder>("page", usable ? own : "");
     const std::filesystem::path file = folder->path() / "page.html";
     std::ofstream out(file);
     std::error_code ignored;
@@ -184,8 +170,6 @@ class Warnings {
     });
   }
   ~Warnings() { set_log_sink({}); }
-  Warnings(const Warnings&) = delete;
-  Warnings& operator=(const Warnings&) = delete;
 
   void show_on(serve::Viewer& viewer) {
     const std::lock_guard lock(mutex_);
@@ -227,12 +211,6 @@ void leave_the_end_to_rank_0() {
   sigaction(SIGINT, &action, nullptr);
 }
 
-/// The frame that pages ask for next, on all ranks; nothing when the viewer has ended.
-std::optional<std::size_t> agree_on_next(serve::Viewer* viewer, Launch& launch) {
-  const int next = launch.of_rank_0(viewer != nullptr ? viewer->next_volume().value_or(-1) : -1);
-  return next < 0 ? std::nullopt : std::optional(std::size_t(next));
-}
-
 /// Loads volume `next`; where that fails, tells pages why and loads `shown` again. Returns the one that is
 /// loaded.
 std::size_t load_next(std::size_t next, std::size_t shown, SeriesLoader& loader, Scene& scene,
@@ -258,9 +236,10 @@ void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewe
     loader.read_ahead((backwards ? shown - 1 : shown + 1) * job.channels_drawn());
     render_all(job, job.options.run.protocol, std::exchange(scene, {}),
                viewer != nullptr ? viewer->director() : Director{}, launch);
-    const auto next = agree_on_next(viewer, launch);
-    if (!next) return;
-    const std::size_t before = std::exchange(shown, load_next(*next, shown, loader, scene, viewer));
+    const int next = launch.of_rank_0(viewer != nullptr ? viewer->next_volume().value_or(-1) : -1);
+    if (next < 0) return;  // the viewer has ended
+    const std::size_t before =
+        std::exchange(shown, load_next(std::size_t(next), shown, loader, scene, viewer));
     if (shown != before) backwards = shown < before;
   }
 }

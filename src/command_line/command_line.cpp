@@ -129,9 +129,6 @@ class Parser {
     add_subcommands();
   }
 
-  Parser(const Parser&) = delete;
-  Parser& operator=(const Parser&) = delete;
-
   CommandLine parse(int argc, const char* const* argv) {
     try {
       if (argc > 1 && argv[1] == std::string_view("--complete"))

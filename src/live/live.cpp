@@ -155,8 +155,6 @@ struct Live::State {
   ~State() {
     if (viewer) viewer->end("The simulation has ended.");
   }
-  State(const State&) = delete;
-  State& operator=(const State&) = delete;
 
   Collectives& all() { return SessionParts::collectives(session); }
 
@@ -199,7 +197,9 @@ struct Live::State {
   void begin(std::int64_t step, double time) {
     share.came_back();
     ++steps;
-    see_parameters();
+    std::vector<double> values;
+    for (const double* const one : offered) values.push_back(*one);
+    steering.see(values);
     const double passed = now_seconds() - told;
     {
       const std::lock_guard lock(telling);
@@ -210,12 +210,6 @@ struct Live::State {
     if (passed < soon && !steering.paused()) return;
     if (passed >= soon) told = now_seconds();
     tell();
-  }
-
-  void see_parameters() {
-    std::vector<double> values;
-    for (const double* const one : offered) values.push_back(*one);
-    steering.see(values);
   }
 
   Act decide() {

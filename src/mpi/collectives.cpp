@@ -60,9 +60,6 @@ class StallWatch {
     if (thread_.joinable()) thread_.join();
   }
 
-  StallWatch(const StallWatch&) = delete;
-  StallWatch& operator=(const StallWatch&) = delete;
-
   /// Only with this lock may MPI be called.
   std::mutex& mpi() { return mpi_; }
   /// Waits for the requests of this process's part of a collective call. Throws RunError when a process does

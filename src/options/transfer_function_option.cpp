@@ -17,16 +17,6 @@
 namespace ringsplat::app {
 namespace {
 
-std::vector<std::string> names_of_presets() {
-  std::vector<std::string> names;
-  for (const auto& preset : preset_names()) names.push_back(preset.name);
-  return names;
-}
-
-bool looks_like_a_file(const std::string& text) {
-  return text.find('/') != std::string::npos || std::filesystem::path(text).has_extension();
-}
-
 /// From black to a channel's colour. Without light the steps are even on the display, as microscopes'
 /// programs show them; what is seen through haze would be too dark in that way. A surface has one colour.
 ColourMap map_to(const glm::dvec3& colour, Mode mode) {
@@ -57,7 +47,8 @@ TransferFunctionChoice::TransferFunctionChoice(const std::string& text, const Co
     : colour_(colour) {
   if (!colour_.colours.empty()) map_ = colour_map(colour_.colours);
   if (colour_.tint) map_ = map_to(*colour_.tint, colour_.mode);
-  const auto presets = names_of_presets();
+  std::vector<std::string> presets;
+  for (const auto& one : preset_names()) presets.push_back(one.name);
   if (std::find(presets.begin(), presets.end(), text) != presets.end()) {
     preset_ = text;
     return;
@@ -67,7 +58,7 @@ TransferFunctionChoice::TransferFunctionChoice(const std::string& text, const Co
     from_file_ = read_transfer_function(text, &ramp_);
     return;
   }
-  if (looks_like_a_file(text))
+  if (text.find('/') != std::string::npos || std::filesystem::path(text).has_extension())
     throw InputError(fmt::format("--tf {} is no file that can be read", text),
                      "check the path, or use a preset: ringsplat info --presets");
   const std::string alike = closest(text, presets);

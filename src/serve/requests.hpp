@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <boost/asio/thread_pool.hpp>
-#include <chrono>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -46,8 +45,6 @@ class Requests {
       : server_(server), wake_(std::move(wake)), options_(options), ranges_(options.volume.ranges) {}
 
   ~Requests() { stop(); }
-  Requests(const Requests&) = delete;
-  Requests& operator=(const Requests&) = delete;
 
   /// `best`: the frame or frames to draw, or the last view's, at the best level; the ranks will not refuse
   /// them. All throw InputError when there is too much to do already, and for a movie whatever is wrong with

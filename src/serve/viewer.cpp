@@ -1,6 +1,5 @@
 #include "serve/viewer.hpp"
 
-#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
@@ -40,8 +39,6 @@ class PageViewer final : public Viewer {
 
   /// Requests send their answers by the server, which calls them.
   ~PageViewer() override { requests_.stop(); }
-  PageViewer(const PageViewer&) = delete;
-  PageViewer& operator=(const PageViewer&) = delete;
 
   std::string url() const override { return server_.url(); }
   Director director() override {

@@ -83,12 +83,6 @@ json channels_json(const ViewerOptions& o) {
   return all;
 }
 
-json modes_json(const ViewerOptions& o) {
-  json all = json::object();
-  for (const auto& [mode, function] : o.modes) all[name(mode)] = to_json(function);
-  return all;
-}
-
 /// `what`: a text "WHAT IS WRONG; hint: WHAT TO DO".
 json said(const char* type, std::string_view what) {
   constexpr std::string_view between = "; hint: ";
@@ -103,13 +97,15 @@ json said(const char* type, std::string_view what) {
 std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels, bool drives, int viewers) {
   json names = json::array();
   for (const Level& level : levels) names.push_back(level.name);
+  json modes = json::object();
+  for (const auto& [mode, function] : o.modes) modes[name(mode)] = to_json(function);
   return text_of({{"type", "hello"},
                   {"volume", volume_json(o.volume)},
                   {"frames", o.frames},
                   {"channels", channels_json(o)},
                   {"state", to_json(o.initial)},
                   {"presets", presets(o.volume)},
-                  {"modes", modes_json(o)},
+                  {"modes", modes},
                   {"levels", names},
                   {"ranks", o.ranks},
                   {"layout", o.layout},

@@ -194,8 +194,6 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
         listed_(shared.visitors.insert(shared.visitors.end(), this)),
         stream_(std::move(socket)) {}
   ~Visitor() { leave_list(); }
-  Visitor(const Visitor&) = delete;
-  Visitor& operator=(const Visitor&) = delete;
 
   /// Ends the connection, so that strangers who say nothing keep nobody out.
   void give_way() {
