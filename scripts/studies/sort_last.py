@@ -209,6 +209,8 @@ def fastest(rows):
 
 
 def draw(plt, best):
+    from matplotlib.ticker import LogLocator
+
     figure, axes = plt.subplots(1, 2, figsize=(9, 4), layout="constrained", sharey=True)
     for axis, (machine, name) in zip(axes, list(NAMES.items())[1:]):
         for of_program, colour in COLOURS.items():
@@ -219,6 +221,8 @@ def draw(plt, best):
                     axis.loglog(*zip(*points), line, color=colour, label=f"{of_program}, {time}")
         axis.set(xlabel=f"simulated ranks, {name}")
         axis.set_xticks([16, 64, 256], ["16", "64", "256"])
+        axis.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.yaxis.set_major_formatter("{x:g}")
         axis.minorticks_off()
         axis.grid()
         axis.legend(handlelength=3.5)
