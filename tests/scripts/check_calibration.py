@@ -11,19 +11,15 @@ import random
 import shutil
 import sys
 
-DEBIANS = "/usr/bin/python3"
-try:
-    import numpy  # noqa: F401
-    import tomllib
-except ImportError as missing:
-    # Debian's NumPy belongs to Debian's own Python.
-    if os.access(DEBIANS, os.X_OK) and os.path.realpath(DEBIANS) != os.path.realpath(sys.executable):
-        os.execv(DEBIANS, [DEBIANS, "-B", *sys.argv])
-    print(f"skipped: {missing.name} is missing")
-    sys.exit(77)
-
 sys.dont_write_bytecode = True
 sys.path.insert(0, sys.argv[1])
+from studies.debian import restart_without  # noqa: E402
+
+if missing := restart_without("numpy", "tomllib", in_environments=True):
+    print(f"skipped: {missing} is missing")
+    sys.exit(77)
+
+import tomllib  # noqa: E402
 from studies.calibrate import Runs, machine_of, non_negative  # noqa: E402
 
 COSTS = {"gp": {"visible_voxel": 1.2e-8, "transparent_voxel": 2e-10, "slice": 3e-7, "frame": 5e-4, "token": 4e-7},

@@ -14,18 +14,13 @@ import tempfile
 from pathlib import Path
 
 SCRIPTS, SCRATCH, BUILD = (os.path.abspath(path) for path in sys.argv[1:4])
-DEBIANS = "/usr/bin/python3"
-try:
-    import numpy  # noqa: F401
-except ImportError:
-    # Debian's NumPy belongs to Debian's own Python.
-    if os.access(DEBIANS, os.X_OK) and os.path.realpath(DEBIANS) != os.path.realpath(sys.executable):
-        os.execv(DEBIANS, [DEBIANS, "-B", *sys.argv])
-    print("skipped: NumPy is missing")
-    sys.exit(77)
-
 sys.dont_write_bytecode = True
 sys.path.insert(0, SCRIPTS)
+from studies.debian import restart_without  # noqa: E402
+
+if missing := restart_without("numpy", in_environments=True):
+    print(f"skipped: {missing} is missing")
+    sys.exit(77)
 from studies.__main__ import STUDIES  # noqa: E402
 from studies.output import read_csv  # noqa: E402
 
