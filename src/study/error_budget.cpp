@@ -256,10 +256,9 @@ namespace {
 
 truth::Rgba colour_of(const float* pixel) { return {pixel[0], pixel[1], pixel[2], pixel[3]}; }
 
-double largest_error(const truth::Rgba& colour, const truth::PixelBounds& bounds) {
-  const truth::Rgba far = bounds.farthest_from(colour);
+double largest_error(const truth::Rgba& colour, const truth::Rgba& exact) {
   double most = 0;
-  for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(truth::levels_apart(colour[c], far[c])));
+  for (int c = 0; c < 4; ++c) most = std::max(most, std::abs(truth::levels_apart(colour[c], exact[c])));
   return most;
 }
 
@@ -269,7 +268,8 @@ std::size_t replace_unproved(Image& image, const truth::PixelSample& sample,
   std::size_t replaced = 0;
   const auto look = [&](truth::Pixel at, const truth::PixelBounds& proved) {
     float* const pixel = image.pixel(at.x, at.y);
-    if (largest_error(colour_of(pixel), proved) <= most) return;
+    const truth::Rgba colour = colour_of(pixel);
+    if (largest_error(colour, proved.farthest_from(colour)) <= most) return;
     const truth::Rgba middle = proved.middle();
     for (int c = 0; c < 4; ++c) pixel[c] = float(middle[c]);
     ++replaced;
@@ -294,10 +294,12 @@ MeasuredError measure_certified(Image& image, const truth::Scene& scene, const E
     middle.push_back(bounds[p].middle());
     far.push_back(bounds[p].farthest_from(colour));
     certificate.widest = std::max(certificate.widest, truth::levels * bounds[p].width());
-    const double error = largest_error(colour, bounds[p]);
+    const double error = largest_error(colour, far.back());
     for (std::size_t k = 0; k < certificate.limits.size(); ++k)
-      certificate.proved[k] += error <= certificate.limits[k] ? 1 / double(bounds.size()) : 0;
+      certificate.proved[k] += error <= certificate.limits[k];
   }
+  if (!bounds.empty())
+    for (double& share : certificate.proved) share /= double(bounds.size());
   MeasuredError measured{TruthKind::certified, options.seed, {}, 0};
   const auto least = truth::sampled_error(image, sample, near),
              most = truth::sampled_error(image, sample, far, &measured.by_pixel);
