@@ -100,7 +100,8 @@ void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
   // Dealt in turn, so many for each Renderer give none much more work than others; neighbouring strips cost
   // nearly the same.
   const int enough_each = sheets ? 8 : 16;
-  if (!setup_.colocated && g.reached.width() * g.reached.height() >= enough_each * dealt_to) return;
+  if (!setup_.colocated && !g.in_parts && g.reached.width() * g.reached.height() >= enough_each * dealt_to)
+    return;
   const WorkCosts costs = costs_in(g, sheets ? setup_.sheet_costs : setup_.splat_costs);
   const auto [points, stands_for] =
       enough(shown_.of(*setup_.sketch, spec.shown.transfer_function, shown_blocks(g, costs)), dealt_to);

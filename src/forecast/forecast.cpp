@@ -87,6 +87,7 @@ struct Forecast::View {
     Shares s{none, none, std::vector<bool>(std::size_t(renderers), false),
              std::vector<double>(std::size_t(renderers), 0.0)};
     const RegionOwners owners = g.owners(renderers);
+    const double copies = copies_of_blocks(g, costs.block);
     for (int region = 0; region < g.regions.count(); ++region) {
       const int owner = owners.of(region);
       if (owner == RegionOwners::nobody) continue;
@@ -99,7 +100,9 @@ struct Forecast::View {
         if ((all.layers >> layer & 1) != 0) {
           const PartWork part = layers[layer].of(rect);
           const double later = paints_later ? part.painted : 0;
-          s.of_layer[layer][k] += (part.seconds - later) / whole.slices_of_layer();
+          // A block comes once for all regions of a part.
+          const double now = g.in_parts ? copies * (part.inside - part.painted) : part.seconds - later;
+          s.of_layer[layer][k] += now / whole.slices_of_layer();
           s.painted[layer][k] += later / whole.slices_of_layer();
         }
     }

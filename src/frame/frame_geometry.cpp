@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "ringsplat/base/error.hpp"
+#include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
 
@@ -203,6 +204,23 @@ Regions low_strips(int renderers, const PixelWindow& reached, int width, int hei
           region_height};
 }
 
+/// Pieces of strips, so many for each Renderer that neighbouring ones can be dealt evenly.
+Regions pieces(int renderers, const PixelWindow& reached, int width, int height) {
+  constexpr std::int64_t each = 16, side = 16;
+  const std::int64_t rows = std::max<std::int64_t>((reached.y1 - reached.y0) / side, 1),
+                     columns = (each * renderers + rows - 1) / rows;
+  const auto region_width = int(std::clamp<std::int64_t>((reached.x1 - reached.x0) / columns, 1, width));
+  return {width, height, std::min(width, round_up(region_width, side)), side};
+}
+
+/// Whether each Renderer of sheets gets one part of the image plane. Where blocks are smaller than strips,
+/// far strips would take most of them to several Renderers, and others each time a view turns; a few
+/// Renderers need nearly all in any case.
+bool in_parts(const FrameGeometry& g, int renderers) {
+  constexpr int few = 4, strip = 16;
+  return renderers > few && CellRanges::side * std::max(g.reach.x, g.reach.y) < strip;
+}
+
 }  // namespace
 
 PixelRect reached_regions(const FrameGeometry& g, const Regions& regions) {
@@ -214,8 +232,11 @@ void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
   const int renderers = std::clamp(division.dealt_to, 1, 1 << 16);
   const PixelWindow reached = reached_pixels(g);
   constexpr int usual_side = 128;
+  g.in_parts = std::holds_alternative<Sheets>(spec.how) && in_parts(g, renderers);
   if (division.region_size > 0)
     g.regions = {g.width, g.height, division.region_size};
+  else if (g.in_parts)
+    g.regions = pieces(renderers, reached, g.width, g.height);
   else if (std::holds_alternative<Sheets>(spec.how))
     // Low strips share out evenly what costs by the pixel. Squares suit splats, which regions cut.
     g.regions = low_strips(renderers, reached, g.width, g.height);

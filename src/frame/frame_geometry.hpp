@@ -23,6 +23,7 @@ struct FrameGeometry {
   int width = 0, height = 0;      ///< of the image plane, in pixels
   Regions regions;                ///< of the image plane
   PixelRect reached;              ///< block of regions that voxels can reach, in region columns and rows
+  bool in_parts = false;          ///< each Renderer gets neighbouring regions
   int dealt_to = 0;               ///< how many Renderers get regions; 0: all
   std::vector<int> dealt;         ///< by region, its Renderer; empty: dealt in turn
   int slices = 0;                 ///< in the traversed set

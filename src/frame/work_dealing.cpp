@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <numeric>
 #include <queue>
+
+#include "frame/bisection.hpp"
 
 namespace ringsplat {
 namespace {
@@ -68,6 +72,38 @@ void deal_out(Deal& deal, const std::vector<Costly>& costly, const WorkEstimate&
   }
 }
 
+/// Who gets which region, neighbouring ones to each: few blocks go to two Renderers then, and those that one
+/// has kept stay useful while a view turns.
+std::vector<int> side_by_side(const FrameGeometry& g, const WorkEstimate& work, double payload,
+                              const std::vector<double>& busy) {
+  std::vector<RegionWork> regions;
+  std::vector<std::uint64_t> layers;
+  double all = 0;
+  for (int y = g.reached.y0; y < g.reached.y1; ++y)
+    for (int x = g.reached.x0; x < g.reached.x1; ++x) {
+      const int region = y * g.regions.columns() + x;
+      const PartWork part = work.of(g.regions.rect(region));
+      // Where hardly anything is known of, all regions count alike.
+      regions.push_back({region, work.telling() ? part.inside : 1});
+      layers.push_back(part.layers);
+      all += regions.back().seconds;
+    }
+  std::vector<int> owner;
+  std::vector<double> spent = busy;
+  // How many payloads one gets follows from what it is dealt.
+  for (int pass = 0; pass < 2; ++pass) {
+    const double even = (all + std::accumulate(spent.begin(), spent.end(), 0.0)) / double(spent.size());
+    std::vector<double> room;
+    for (const double one : spent) room.push_back(std::max(0.0, even - one));
+    owner = bisect(g.regions, regions, room);
+    std::vector<std::uint64_t> seen(busy.size(), 0);
+    for (std::size_t k = 0; k < regions.size(); ++k)
+      seen[std::size_t(owner[std::size_t(regions[k].region)])] |= layers[k];
+    for (std::size_t k = 0; k < busy.size(); ++k) spent[k] = busy[k] + seconds_of(seen[k], payload);
+  }
+  return owner;
+}
+
 /// The ways to cut the plane that are worth trying, from the coarsest; the first is what it is cut into now.
 std::vector<Regions> ways_to_cut(const FrameGeometry& g, const FrameSpec& spec, std::size_t dealt_to) {
   std::vector<Regions> ways{g.regions};
@@ -87,39 +123,58 @@ std::vector<Regions> ways_to_cut(const FrameGeometry& g, const FrameSpec& spec, 
   return ways;
 }
 
+/// The costliest region first, each to the Renderer with the least so far; none where nothing is reached.
+std::optional<Deal> costliest_first(const FrameGeometry& g, const WorkEstimate& work, double payload,
+                                    const FrameSpec& spec, const std::vector<double>& busy) {
+  constexpr double worth_smaller = 0.95;
+  std::optional<Deal> best;
+  for (const Regions& regions : ways_to_cut(g, spec, busy.size())) {
+    Deal deal{regions, reached_regions(g, regions), {}};
+    const auto costly = by_cost(deal, work, payload);
+    if (costly.empty()) return std::nullopt;
+    if (best && costly.front().seconds >= worth_smaller * best->longest) continue;
+    deal_out(deal, costly, work, payload, busy);
+    if (!best || deal.longest < worth_smaller * best->longest) best = std::move(deal);
+  }
+  return best;
+}
+
 }  // namespace
 
-WorkCosts costs_in(const FrameGeometry& g, WorkCosts costs) {
-  if (costs.block == 0) return costs;
+double copies_of_blocks(const FrameGeometry& g, double side) {
   const PixelRect region = g.regions.rect(0);
-  const glm::dvec2 block = size_of_block(g, costs.block);
-  costs.visible *= (1 + block.x / region.width()) * (1 + block.y / region.height());
+  glm::dvec2 size(region.width(), region.height());
+  // A Renderer's part is about square.
+  if (g.in_parts)
+    size = glm::dvec2(
+        std::sqrt(size.x * g.reached.width() * size.y * g.reached.height() / std::max(1, g.dealt_to)));
+  const glm::dvec2 block = size_of_block(g, side);
+  return (1 + block.x / size.x) * (1 + block.y / size.y);
+}
+
+WorkCosts costs_in(const FrameGeometry& g, WorkCosts costs) {
+  if (costs.block > 0) costs.visible *= copies_of_blocks(g, costs.block);
   return costs;
 }
 
-double deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs, const FrameSpec& spec,
-                    int renderers, const std::vector<double>& busy) {
+void deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs, const FrameSpec& spec,
+                  int renderers, const std::vector<double>& busy) {
   const int dealt_to = g.dealt_to > 0 ? std::min(g.dealt_to, renderers) : renderers;
-  if (dealt_to < 2 || !work.telling()) return 0;
+  if (dealt_to < 2 || (!g.in_parts && !work.telling())) return;
   const std::vector<double> idle(std::size_t(dealt_to), 0.0);
   const std::vector<double>& loads = busy.empty() ? idle : busy;
   const double payload = costs.payload * work.slices_of_layer();
-  constexpr double worth_smaller = 0.95;
-  std::optional<Deal> best;
-  for (const Regions& regions : ways_to_cut(g, spec, std::size_t(dealt_to))) {
-    Deal deal{regions, reached_regions(g, regions), {}};
-    const auto costly = by_cost(deal, work, payload);
-    if (costly.empty()) return 0;
-    if (best && costly.front().seconds >= worth_smaller * best->longest) continue;
-    deal_out(deal, costly, work, payload, loads);
-    if (!best || deal.longest < worth_smaller * best->longest) best = std::move(deal);
+  if (g.in_parts) {
+    g.dealt = side_by_side(g, work, payload, loads);
+  } else {
+    const auto best = costliest_first(g, work, payload, spec, loads);
+    if (!best) return;
+    g.regions = best->regions;
+    g.reached = best->reached;
+    g.dealt = best->owner;
   }
-  for (int& owner : best->owner)
+  for (int& owner : g.dealt)
     if (owner != RegionOwners::nobody) owner = int(std::int64_t{owner} * renderers / dealt_to);
-  g.regions = best->regions;
-  g.reached = best->reached;
-  g.dealt = std::move(best->owner);
-  return best->longest;
 }
 
 std::vector<double> busy_ranks(const FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs,

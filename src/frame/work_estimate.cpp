@@ -230,7 +230,8 @@ PartWork WorkEstimate::of(const PixelRect& rect) const {
   PartWork part;
   part.seconds = (1 - painted_) *
                  within(rect.x0 - around_.x, rect.y0 - around_.y, rect.x1 + around_.x, rect.y1 + around_.y);
-  if (painted_ > 0) part.painted = painted_ * within(rect.x0, rect.y0, rect.x1, rect.y1);
+  part.inside = within(rect.x0, rect.y0, rect.x1, rect.y1);
+  part.painted = painted_ * part.inside;
   part.seconds += part.painted;
   const int left = std::max(0, int((rect.x0 - around_.x) / cell_.x)),
             right = std::min(columns_ - 1, int((rect.x1 - 1 + around_.x) / cell_.x)),

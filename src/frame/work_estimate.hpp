@@ -62,6 +62,7 @@ inline std::optional<ShownPoints::Blocks> shown_blocks(const FrameGeometry& g, c
 struct PartWork {
   double seconds = 0;        ///< payloads left out
   double painted = 0;        ///< of these, for pixels
+  double inside = 0;         ///< what the pixels show, without what lies beside them
   std::uint64_t layers = 0;  ///< a bit for each layer of the sketch that shows something there
 };
 
@@ -115,17 +116,19 @@ class WorkEstimate {
   std::vector<double> slice_seconds_;  ///< by layer: of a GP, for each slice
 };
 
+/// To how many Renderers a block of so many voxels a side goes, on average.
+double copies_of_blocks(const FrameGeometry& geometry, double side);
 /// What work costs in a frame with such regions: a GP copies a block for all Renderers that see some of it.
 WorkCosts costs_in(const FrameGeometry& geometry, WorkCosts costs);
 
-/// Deals a frame's regions such that the busiest Renderer has the least work: the costliest first, each to
-/// the Renderer with the least so far (Graham 1969, longest processing time first). Where no size of regions
-/// is asked for, it tries several: smaller ones are dealt more evenly, larger ones cut less. Does nothing
-/// when the estimate says little. `busy`: by Renderer that gets regions, seconds that its rank is busy
-/// otherwise; empty: not at all. Every rank finds the same; no bit of the picture depends on it. Returns the
-/// seconds of the busiest Renderer's rank, or 0 when nothing was dealt.
-double deal_by_work(FrameGeometry& geometry, const WorkEstimate& work, const WorkCosts& costs,
-                    const FrameSpec& spec, int renderers, const std::vector<double>& busy);
+/// Deals a frame's regions such that Renderers have about the same work: of sheets neighbouring ones to each
+/// (frame/bisection.hpp), of splats the costliest first, each to the Renderer with the least so far (Graham
+/// 1969, longest processing time first), trying several sizes where none is asked for: smaller ones are dealt
+/// more evenly, larger ones cut less. Where the estimate says little, sheets' count alike, and splats' are
+/// left as they are. `busy`: by Renderer that gets regions, seconds that its rank is busy otherwise; empty:
+/// not at all. Every rank finds the same; no bit of the picture depends on it.
+void deal_by_work(FrameGeometry& geometry, const WorkEstimate& work, const WorkCosts& costs,
+                  const FrameSpec& spec, int renderers, const std::vector<double>& busy);
 
 /// Seconds that Renderers' ranks are busy otherwise, for `busy` above, when `dealt_to` of the Renderers get
 /// regions: with their GPs' slices, and the first with the picture, too.

@@ -98,7 +98,8 @@ TEST_CASE("regions dealt by work are shared more evenly than regions dealt in tu
       FrameGeometry in_turn = make_geometry(of_many, grid), g = in_turn, again = in_turn;
       const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
       REQUIRE(work.telling());
-      CHECK(deal_by_work(g, work, costs, of_many, renderers, {}) > 0);
+      deal_by_work(g, work, costs, of_many, renderers, {});
+      REQUIRE(!g.dealt.empty());
       deal_by_work(again, work, costs, of_many, renderers, {});
       CHECK(g.dealt == again.dealt);
       CHECK(g.regions == again.regions);
@@ -115,6 +116,50 @@ TEST_CASE("regions dealt by work are shared more evenly than regions dealt in tu
         CHECK((g.dealt[std::size_t(region)] != RegionOwners::nobody) == inside);
       }
     }
+  }
+}
+
+TEST_CASE("many Renderers' sheets of small blocks lie side by side, and most stay where they are in a turn") {
+  const Grid grid = grid_of({512, 512, 512});
+  const VolumeSketch sketch = sketch_of(grid.dims, {200, 280, 240}, 180);
+  ShownPoints points;
+  for (const int renderers : {5, 16, 64}) {
+    CAPTURE(renderers);
+    std::optional<WorkEstimate> estimate;
+    const auto dealt = [&](double azimuth) {
+      FrameSpec spec = seen(Sheets{}, azimuth, 20);
+      spec.division.dealt_to = renderers;
+      FrameGeometry g = make_geometry(spec, grid);
+      REQUIRE(g.in_parts);
+      const WorkCosts costs = costs_in(g, usual_sheet_costs);
+      const auto shown = points.of(sketch, spec.shown.transfer_function, shown_blocks(g, costs));
+      deal_by_work(g, estimate.emplace(g, sketch, shown, costs, 1), costs, spec, renderers, {});
+      return g;
+    };
+    const FrameGeometry turned = dealt(32), first = dealt(30);
+    // Of two neighbouring regions most have the same Renderer.
+    int neighbours = 0, together = 0;
+    for (int region = 0; region + first.regions.columns() < first.regions.count(); ++region) {
+      const int here = first.dealt[std::size_t(region)],
+                below = first.dealt[std::size_t(region + first.regions.columns())];
+      if (here == RegionOwners::nobody || below == RegionOwners::nobody) continue;
+      ++neighbours;
+      together += here == below;
+    }
+    CHECK(together > 0.6 * neighbours);
+    CHECK(unevenness(first, *estimate, renderers) < (renderers == 64 ? 1.6 : 1.25));
+    double pixels = 0, stayed = 0;
+    for (int y = 0; y < first.height; ++y)
+      for (int x = 0; x < first.width; ++x) {
+        const auto owner = [&](const FrameGeometry& g) {
+          const PixelRect at = g.regions.touched(x, y, x, y);
+          return g.dealt[std::size_t(at.y0 * g.regions.columns() + at.x0)];
+        };
+        if (owner(first) == RegionOwners::nobody || owner(turned) == RegionOwners::nobody) continue;
+        ++pixels;
+        stayed += owner(first) == owner(turned);
+      }
+    CHECK(stayed > 0.8 * pixels);
   }
 }
 
@@ -158,7 +203,7 @@ TEST_CASE("with hardly a visible voxel, regions are dealt in turn") {
   FrameGeometry g = make_geometry(spec, grid);
   ShownPoints points;
   const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), only_voxels, 1);
-  CHECK(deal_by_work(g, work, only_voxels, spec, 4, {}) == 0);
+  deal_by_work(g, work, only_voxels, spec, 4, {});
   CHECK(g.dealt.empty());
 }
 
