@@ -64,6 +64,19 @@ void add_render(OptionList& list, AllOptions& all) {
   add_error_options(list, o);
 }
 
+/// Ranks that draw sheets need not wait for each token (docs/performance.md); described machines keep to the
+/// paper's protocol.
+void settle_protocol(const OptionList& list, RenderOptions& o) {
+  if (!std::holds_alternative<Sheets>(o.frame.how) || !o.run.machine.empty()) return;
+  const auto unless_given = [&list](const char* option, int& value, int usual) {
+    if (!list.is_given(option)) value = usual;
+  };
+  ProtocolOptions& protocol = o.run.protocol;
+  unless_given("--slots", protocol.slots, 16);
+  unless_given("--look-ahead", protocol.look_ahead, 4);
+  if (o.run.topology == Topology::ring) unless_given("--send-ahead", protocol.send_ahead, 16);
+}
+
 Command settle_render(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.render;
   if (asks_for_colour_maps("render", o)) return Say{list_of_colour_maps()};
@@ -72,13 +85,12 @@ Command settle_render(const OptionList& list, AllOptions& all) {
     throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
                      fmt::format("for instance ringsplat render {} -o out.png", o.volume.path));
   settle_picture(list, o);
+  settle_protocol(list, o);
   return o;
 }
 
 void add_serve(OptionList& list, AllOptions& all) {
   RenderOptions& o = all.serve.picture;
-  // Less waiting for tokens; no picture changes (docs/performance.md).
-  o.run.protocol.look_ahead = o.run.protocol.send_ahead = 4;
   add_volume(list, o, true);
   add_server_options(list, all.serve);
   add_camera_options(list, o);
@@ -93,7 +105,7 @@ Command settle_serve(const OptionList& list, AllOptions& all) {
   settle_picture(list, o);
   o.frame.shown.camera.fit = Fit::sphere;  // turning changes no sizes
   static_cast<void>(serve::frame_ancestors(all.serve.allowed_frames));
-  if (o.run.topology == Topology::mesh && !list.is_given("--send-ahead")) o.run.protocol.send_ahead = 0;
+  settle_protocol(list, o);
   return all.serve;
 }
 

@@ -109,15 +109,17 @@ void add_protocol_options(OptionList& list, RunOptions& o) {
   list.below("Protocol") += {
       {"--frames-in-flight", nullptr, initial, "Frames announced and not yet complete",
        value(o.protocol.frames_in_flight)},
-      {"--slots", nullptr, initial, "Payloads a Renderer accepts before it has drawn them",
+      {"--slots", nullptr, nullptr,
+       "Payloads a Renderer accepts before it has drawn them; without it 16 of sheets, 4 of splats and on "
+       "described machines",
        value(o.protocol.slots)},
       {"--link-slots", nullptr, initial, "Messages of one buffer class that may be behind a mesh's link",
        value(o.protocol.link_slots)},
-      {"--look-ahead", nullptr, initial,
-       "Slices, or bundles of them, that a GP prepares before their tokens have passed",
+      {"--look-ahead", nullptr, nullptr,
+       "Slices, or bundles of them, that a GP prepares before their tokens have passed; without it 4 or 1",
        value(o.protocol.look_ahead)},
-      {"--send-ahead", nullptr, initial,
-       "Payloads that a token leaves behind before it waits until one is accepted",
+      {"--send-ahead", nullptr, nullptr,
+       "Payloads that a token leaves behind before it waits until one is accepted; without it 16 or 0",
        value(o.protocol.send_ahead)},
       {"--keep", "MIB", nullptr,
        "Sheets: MiB of slices that a Renderer keeps, so that later frames need not send them again; without "
