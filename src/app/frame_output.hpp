@@ -153,11 +153,6 @@ std::string why_nearly_empty(const FrameResult& result);
 /// several. `view` counts from 0.
 std::filesystem::path file_of_view(const RenderOptions& options, const std::string& name, std::size_t view);
 
-/// Writes a picture of the errors that were measured of `picture`, with a bar that says what its colours
-/// mean; transparent where none is known. `settings`: the picture's, as JSON; what the bar spans is added.
-void write_error_map(const MeasuredError& error, const Image& picture, const std::filesystem::path& file,
-                     const std::string& settings);
-
 /// The run's views that are known beforehand: one, an orbit or a path; none when they come on stdin. Throws
 /// InputError for a path that cannot be read.
 std::vector<Camera> views_of(const RenderOptions& options);

@@ -15,7 +15,7 @@
 #include "base/log.hpp"
 #include "base/srgb.hpp"
 #include "classify/auto_preset.hpp"
-#include "formats/label_names.hpp"
+#include "formats/nrrd/header.hpp"
 #include "net/launcher.hpp"
 #include "options/option_tables.hpp"
 #include "options/transfer_function_option.hpp"
@@ -58,7 +58,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
 }
 
 std::vector<serve::Label> labels_of(const std::vector<double>& values, const std::filesystem::path& file) {
-  const auto names = label_names(file);
+  const auto names = detail::label_names(file);
   std::vector<serve::Label> labels;
   for (const double value : values) {
     const auto name = names.find(value);

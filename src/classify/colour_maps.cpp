@@ -20,7 +20,7 @@ namespace {
 /// RdBu is ColorBrewer's (C. Brewer, Apache 2.0), turbo Google's (A. Mikhailov, Apache 2.0). coolwarm (K.
 /// Moreland), Black-Body Radiation and Rainbow Desaturated are ParaView's, BSD.
 struct Table {
-  ColourMapName name;
+  PresetName name;
   std::string points;
   std::vector<double> places;
 };
@@ -125,9 +125,9 @@ ColourMap made(const Table& table) {
 
 }  // namespace
 
-const std::vector<ColourMapName>& colour_map_names() {
-  static const std::vector<ColourMapName> names = [] {
-    std::vector<ColourMapName> all;
+const std::vector<PresetName>& colour_map_names() {
+  static const std::vector<PresetName> names = [] {
+    std::vector<PresetName> all;
     for (const Table& table : tables()) all.push_back(table.name);
     return all;
   }();

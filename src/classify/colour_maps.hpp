@@ -13,12 +13,8 @@ struct ColourMap {
   std::vector<TransferFunction::ColourPoint> points;  ///< from 0 to 1
 };
 
-struct ColourMapName {
-  std::string name, description;
-};
-
 /// Perceptual ones first.
-const std::vector<ColourMapName>& colour_map_names();
+const std::vector<PresetName>& colour_map_names();
 
 /// Upper and lower case, blanks and hyphens are the same. Throws InputError listing the names for an unknown
 /// one.

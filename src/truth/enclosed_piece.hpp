@@ -1,12 +1,112 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <glm/geometric.hpp>
 #include <optional>
 
 #include "truth/enclosed_curve.hpp"
-#include "truth/enclosed_light.hpp"
+#include "truth/series.hpp"
 
 namespace ringsplat::truth {
+
+/// Phong's reflection (truth::Phong) along a ray's way through a cell, whose normal is a polynomial of the
+/// place.
+class EnclosedLight {
+ public:
+  /// What is not decided along a piece has a bound.
+  struct Kind {
+    bool smooth = false;                 ///< has a series
+    bool highlight = false;              ///< the series has one
+    double missing = 0;                  ///< what the series leaves out, at most
+    double side = 1;                     ///< of the surface that is lit
+    Interval squared = 1, mirrored = 1;  ///< the normal's square, and the mirrored light's part to the viewer
+  };
+  struct Bounds {
+    Interval scale, highlight;
+    Kind kind;
+  };
+  template <int N>
+  struct Light {
+    Series<N> scale, highlight;
+  };
+
+  EnclosedLight(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer,
+                const std::array<Polynomial, 3>& normal)
+      : material_(material), normal_(normal) {
+    for (std::size_t k = 0; k < 4; ++k)
+      for (int axis = 0; axis < 3; ++axis) {
+        towards_light_[k] += normal[std::size_t(axis)][k] * component(to_light, axis);
+        towards_viewer_[k] += normal[std::size_t(axis)][k] * component(to_viewer, axis);
+      }
+    for (int axis = 0; axis < 3; ++axis)
+      light_to_viewer_ += component(to_light, axis) * component(to_viewer, axis);
+  }
+
+  /// Whatever the normal.
+  static Bounds any(const PhongMaterial& m) {
+    return {m.ambient + m.diffuse * Interval(0, 1), Interval(0, m.specular), {}};
+  }
+  /// Everywhere within `reach` of `place`.
+  Bounds over(const Interval& place, double reach) const {
+    Interval squared = 0;
+    for (const Polynomial& p : normal_) squared += square(series_of<0>(p, place, reach)[0]);
+    Bounds all = any(material_);
+    constexpr double least = 1e-250;  // of which a power is a number
+    if (!(squared.lower() > least)) return all;
+    const Interval inverse = power(squared, -0.5),
+                   light = clamped(series_of<0>(towards_light_, place, reach)[0] * inverse, -1, 1),
+                   viewer = clamped(series_of<0>(towards_viewer_, place, reach)[0] * inverse, -1, 1),
+                   mirrored = clamped(2.0 * light * viewer - light_to_viewer_, -1, 1),
+                   same_side = light * viewer;
+    all.scale = material_.ambient + material_.diffuse * abs(light);
+    const bool dark = mirrored.upper() <= 0 || same_side.upper() <= 0,
+               bright = mirrored.lower() > 0 && same_side.lower() > 0;
+    const double most =
+        dark ? 0 : (material_.specular * power(Interval(mirrored.upper()), material_.exponent)).upper();
+    all.highlight = bright ? material_.specular * power(mirrored, material_.exponent) : Interval(0, most);
+    constexpr double too_small_to_show = 1e-5;
+    all.kind = {!(light.lower() < 0 && light.upper() > 0),
+                bright && most > too_small_to_show,
+                0,
+                light.lower() < 0 ? -1.0 : 1.0,
+                squared,
+                mirrored};
+    if (!all.kind.highlight) all.kind.missing = most;
+    return all;
+  }
+
+  /// Of a kind that has a series.
+  template <int N>
+  Light<N> series(const Kind& kind, const Interval& place, double reach) const {
+    Series<N> squared;
+    for (const Polynomial& p : normal_) {
+      const Series<N> component = series_of<N>(p, place, reach);
+      squared = squared + component * component;
+    }
+    squared[0] = intersect(squared[0], kind.squared);
+    const Series<N> inverse = power(squared, -0.5),
+                    light = series_of<N>(towards_light_, place, reach) * inverse;
+    Light<N> result{light * Interval(kind.side * material_.diffuse), {}};
+    result.scale[0] += material_.ambient;
+    if (!kind.highlight) return result;
+    Series<N> mirrored = light * (series_of<N>(towards_viewer_, place, reach) * inverse) * Interval(2.0);
+    mirrored[0] = intersect(mirrored[0] - light_to_viewer_, kind.mirrored);
+    result.highlight = power(mirrored, material_.exponent) * Interval(material_.specular);
+    return result;
+  }
+
+ private:
+  /// Of a direction of unit length up to rounding.
+  static Interval component(const glm::dvec3& direction, int axis) {
+    constexpr double rounding = 1e-14;
+    return direction[axis] + within(rounding);
+  }
+
+  const PhongMaterial& material_;
+  std::array<Polynomial, 3> normal_;
+  Polynomial towards_light_{}, towards_viewer_{};
+  Interval light_to_viewer_ = 0;
+};
 
 /// What a piece of a ray adds and lets through. Where its light is known as a mean alone, of `mean_of`,
 /// colour is what follows from that.

@@ -1,4 +1,4 @@
-#include "formats/label_names.hpp"
+#include "formats/nrrd/header.hpp"
 
 #include "formats/files.hpp"
 #include "support/catch.hpp"
@@ -19,7 +19,7 @@ TEST_CASE("A segmentation's names are found by their values, wherever they stand
                                        "Segment0_Name:=li\aver\r\nSegment1_LabelValue:=7\n"
                                        "Segment2_Name:=without a value\nSegment3_LabelValue:=9\n\n"
                                        "Segment4_Name:=data\nSegment4_LabelValue:=4\n");
-  const auto names = label_names(file);
+  const auto names = detail::label_names(file);
   REQUIRE(names.size() == 2);
   CHECK(names.at(1) == "li\\x07ver");
   CHECK(names.at(7) == "left kidney");
@@ -27,11 +27,13 @@ TEST_CASE("A segmentation's names are found by their values, wherever they stand
 
 TEST_CASE("Other files have no names of labels") {
   const Folder folder;
-  CHECK(label_names(folder / "missing.nrrd").empty());
-  CHECK(label_names(folder.path()).empty());
-  CHECK(label_names(write(folder / "plain.nrrd", fields + "\n1")).empty());
-  CHECK(label_names(write(folder / "other.mhd", "Segment0_Name:=a\nSegment0_LabelValue:=1\n")).empty());
-  CHECK(label_names(write(folder / "long.nrrd", "NRRD0004\nSegment0_Name:=" + std::string(100000, 'a') +
-                                                    "\nSegment0_LabelValue:=1\n\n"))
-            .empty());
+  CHECK(detail::label_names(folder / "missing.nrrd").empty());
+  CHECK(detail::label_names(folder.path()).empty());
+  CHECK(detail::label_names(write(folder / "plain.nrrd", fields + "\n1")).empty());
+  CHECK(
+      detail::label_names(write(folder / "other.mhd", "Segment0_Name:=a\nSegment0_LabelValue:=1\n")).empty());
+  CHECK(
+      detail::label_names(write(folder / "long.nrrd", "NRRD0004\nSegment0_Name:=" + std::string(100000, 'a') +
+                                                          "\nSegment0_LabelValue:=1\n\n"))
+          .empty());
 }

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -12,7 +11,6 @@
 #include "base/input_file.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "formats/label_names.hpp"
 #include "formats/limits.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/text_reader.hpp"
@@ -336,17 +334,15 @@ NrrdHeader read_nrrd_header(const std::filesystem::path& path) {
   return header;
 }
 
-}  // namespace ringsplat::detail
-
-std::map<double, std::string> ringsplat::label_names(const std::filesystem::path& file) try {
+std::map<double, std::string> label_names(const std::filesystem::path& file) try {
   constexpr std::string_view of_value = "_LabelValue";
   constexpr std::size_t longest = 4096;
   std::map<double, std::string> names;
-  const detail::NrrdFields fields(file);
+  const NrrdFields fields(file);
   for (const auto& [key, text] : fields.pairs()) {
     if (!key.starts_with("Segment") || !key.ends_with(of_value)) continue;
     const auto name = fields.pairs().find(key.substr(0, key.size() - of_value.size()) + "_Name");
-    const auto value = detail::number_in<double>(detail::trimmed(text));
+    const auto value = number_in<double>(trimmed(text));
     if (value && name != fields.pairs().end() && name->second.size() < longest)
       names[*value] = printable(name->second);
   }
@@ -354,3 +350,5 @@ std::map<double, std::string> ringsplat::label_names(const std::filesystem::path
 } catch (const InputError&) {
   return {};
 }
+
+}  // namespace ringsplat::detail

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -50,5 +51,9 @@ struct NrrdHeader {
 
 /// Throws InputError for a damaged header, and for one that says what no volume may have.
 NrrdHeader read_nrrd_header(const std::filesystem::path& path);
+
+/// What a NRRD file's labels are called, as 3D Slicer writes segmentations (SegmentN_LabelValue and
+/// SegmentN_Name). None where there are no such names, or where the file cannot be read.
+std::map<double, std::string> label_names(const std::filesystem::path& file);
 
 }  // namespace ringsplat::detail
