@@ -52,6 +52,19 @@ std::string to_text(const MeasuredShortcuts& chosen, const MeasuredShortcuts& ex
       to_text(chosen.shortcuts), chosen.rmse, chosen.rmse_high, chosen.seconds, exact.seconds);
 }
 
+/// Draws these frames, which keep their numbers.
+void draw_again(Job& job, const std::vector<FrameSpec>& frames, const Gallery& gallery, Progress& progress,
+                Launch& launch) {
+  Scene scene = reload(job, progress, launch);
+  const auto take = [&](FrameResult&& result) {
+    result.spec.frame = result.stats.frame = frames[std::size_t(result.spec.frame)].frame;
+    gallery.replace(std::move(result));
+  };
+  progress.begin("rendering", double(frames.size()));
+  render_all(job, job.options.run.protocol, std::move(scene), director_of(frames, take), launch);
+  progress.end();
+}
+
 }  // namespace
 
 bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, Launch& launch) {
@@ -91,23 +104,6 @@ bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, L
   });
   return !known;
 }
-
-namespace {
-
-/// Draws these frames, which keep their numbers.
-void draw_again(Job& job, const std::vector<FrameSpec>& frames, const Gallery& gallery, Progress& progress,
-                Launch& launch) {
-  Scene scene = reload(job, progress, launch);
-  const auto take = [&](FrameResult&& result) {
-    result.spec.frame = result.stats.frame = frames[std::size_t(result.spec.frame)].frame;
-    gallery.replace(std::move(result));
-  };
-  progress.begin("rendering", double(frames.size()));
-  render_all(job, job.options.run.protocol, std::move(scene), director_of(frames, take), launch);
-  progress.end();
-}
-
-}  // namespace
 
 bool hold_budget(Job& job, const Gallery& gallery, Progress& progress, Launch& launch) {
   constexpr int attempts = 2;

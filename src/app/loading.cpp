@@ -41,6 +41,23 @@ std::map<std::string, Host> machines_of(const std::vector<Place>& places) {
   return machines;
 }
 
+/// The threads of this rank's engine.
+void settle_threads(Job& job, const Launch& launch) {
+  RunOptions& run = job.options.run;
+  int& threads = run.engine.threads_per_rank;
+  if (!run.threads_per_rank) {
+    threads = simulated() ? 1
+                          : std::min(ThreadTeam::most_threads,
+                                     fair_threads(job.places, launch.rank(), job.layout.working_ranks()));
+    return;
+  }
+  threads = *run.threads_per_rank;
+  check(run.engine);
+  const std::string warning =
+      threads > 1 ? shared_cores_warning(threads, job.places, launch.over_mpi()) : std::string();
+  if (launch.rank() == 0 && !warning.empty()) log_warning("{}", warning);
+}
+
 }  // namespace
 
 int shared_cores(const std::vector<Place>& places) {
@@ -63,9 +80,8 @@ int fair_threads(const std::vector<Place>& places, int rank, int working) {
 }
 
 std::string shared_cores_warning(int threads, const std::vector<Place>& places, bool over_mpi) {
-  const auto narrowest = std::min_element(places.begin(), places.end(), [](const Place& a, const Place& b) {
-    return a.cores.size() < b.cores.size();
-  });
+  const auto narrowest =
+      std::ranges::min_element(places, {}, [](const Place& place) { return place.cores.size(); });
   const auto cores = narrowest->cores.size();
   if (cores >= std::size_t(threads)) return {};
   if (!over_mpi)
@@ -77,27 +93,6 @@ std::string shared_cores_warning(int threads, const std::vector<Place>& places, 
       "slot:PE={}, or use --threads-per-rank {}",
       threads, narrowest - places.begin(), cores, threads, cores);
 }
-
-namespace {
-
-/// The threads of this rank's engine.
-void settle_threads(Job& job, const Launch& launch) {
-  RunOptions& run = job.options.run;
-  int& threads = run.engine.threads_per_rank;
-  if (!run.threads_per_rank) {
-    threads = simulated() ? 1
-                          : std::min(ThreadTeam::most_threads,
-                                     fair_threads(job.places, launch.rank(), job.layout.working_ranks()));
-    return;
-  }
-  threads = *run.threads_per_rank;
-  check(run.engine);
-  const std::string warning =
-      threads > 1 ? shared_cores_warning(threads, job.places, launch.over_mpi()) : std::string();
-  if (launch.rank() == 0 && !warning.empty()) log_warning("{}", warning);
-}
-
-}  // namespace
 
 void settle_ranks(Job& job, Launch& launch) {
   const RunOptions& run = job.options.run;

@@ -141,6 +141,36 @@ void part_into_channels(Job& job, const std::string& wanted, Launch& launch) {
   if (!job.channels.empty()) job.series = std::move(parts);
 }
 
+/// What these options need loaded when the views traverse `axes`.
+LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
+  LoadOptions load{axes,
+                   needs_normals(o.frame),
+                   {o.frame.shown.reduction.factor},
+                   o.frame.shown.reduction.prefilter,
+                   needs_cell_ranges(o.frame),
+                   o.frame.shown.clip};
+  if (o.budget.other_engine) {
+    FrameSpec other = o.frame;
+    other.how = *o.budget.other_engine;
+    load.with_normals |= needs_normals(other);
+    load.with_cell_ranges |= needs_cell_ranges(other);
+  }
+  if (o.budget.max_error && !o.budget.fixed.contains("--undersample")) load.factors = levels_to_choose_from();
+  return load;
+}
+
+/// Says on rank 0 why sheets err, unless the error is measured.
+void warn_of_errors(const RenderOptions& o, const FrameSpec& frame, const ValueRange& range,
+                    Progress& progress, const Launch& launch) {
+  if (launch.rank() != 0 || o.error.truth || o.run.simulation.count_only) return;
+  if (frame.shown.mode != Mode::composite || !std::holds_alternative<Sheets>(frame.how)) return;
+  const bool labels = frame.shown.interpolation == Interpolation::nearest;
+  const auto why = labels ? why_labels_merge(range) : why_sheets_err(frame.shown.transfer_function, range);
+  if (why.empty()) return;
+  progress.clear();
+  log_warning("{}", why);
+}
+
 }  // namespace
 
 void find_volumes(Job& job, Launch& launch) {
@@ -162,28 +192,6 @@ std::size_t pictures_at_once(const Job& job, std::size_t views) {
   return sums +
          (o.error.truth ? std::max(in_flight, views) : in_flight + std::min(views, FrameWriter::room + 1));
 }
-
-namespace {
-
-/// What these options need loaded when the views traverse `axes`.
-LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
-  LoadOptions load{axes,
-                   needs_normals(o.frame),
-                   {o.frame.shown.reduction.factor},
-                   o.frame.shown.reduction.prefilter,
-                   needs_cell_ranges(o.frame),
-                   o.frame.shown.clip};
-  if (o.budget.other_engine) {
-    FrameSpec other = o.frame;
-    other.how = *o.budget.other_engine;
-    load.with_normals |= needs_normals(other);
-    load.with_cell_ranges |= needs_cell_ranges(other);
-  }
-  if (o.budget.max_error && !o.budget.fixed.contains("--undersample")) load.factors = levels_to_choose_from();
-  return load;
-}
-
-}  // namespace
 
 Job prepare(const RenderOptions& given, Launch& launch) {
   Job job;
@@ -231,22 +239,6 @@ Scene reload(Job& job, Progress& progress, Launch& launch) {
   });
   return load(job, job.volume, progress, launch);
 }
-
-namespace {
-
-/// Says on rank 0 why sheets err, unless the error is measured.
-void warn_of_errors(const RenderOptions& o, const FrameSpec& frame, const ValueRange& range,
-                    Progress& progress, const Launch& launch) {
-  if (launch.rank() != 0 || o.error.truth || o.run.simulation.count_only) return;
-  if (frame.shown.mode != Mode::composite || !std::holds_alternative<Sheets>(frame.how)) return;
-  const bool labels = frame.shown.interpolation == Interpolation::nearest;
-  const auto why = labels ? why_labels_merge(range) : why_sheets_err(frame.shown.transfer_function, range);
-  if (why.empty()) return;
-  progress.clear();
-  log_warning("{}", why);
-}
-
-}  // namespace
 
 FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launch, std::size_t channel) {
   const RenderOptions& o = job.options;

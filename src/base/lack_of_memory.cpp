@@ -29,27 +29,6 @@ struct Line {
 
 Line line{""};
 
-}  // namespace
-
-bool is_lack_of_memory(const std::exception& error) {
-  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return true;
-  const auto* system = dynamic_cast<const std::system_error*>(&error);
-  return system != nullptr && system->code() == std::errc::resource_unavailable_try_again;
-}
-
-void say_lack_of_memory() noexcept { static_cast<void>(!write(STDERR_FILENO, line.text.data(), line.size)); }
-
-void name_in_lack_of_memory(const std::string& rank) { line = Line(rank); }
-
-bool has_address_space(std::size_t bytes) {
-  void* const space = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (space == MAP_FAILED) return false;
-  munmap(space, bytes);
-  return true;
-}
-
-namespace {
-
 [[noreturn]] void end_for_lack_of_memory() {
   say_lack_of_memory();
   _exit(int(ExitCode::run_failed));
@@ -71,6 +50,23 @@ std::terminate_handler end_otherwise = nullptr;
 }
 
 }  // namespace
+
+bool is_lack_of_memory(const std::exception& error) {
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return true;
+  const auto* system = dynamic_cast<const std::system_error*>(&error);
+  return system != nullptr && system->code() == std::errc::resource_unavailable_try_again;
+}
+
+void say_lack_of_memory() noexcept { static_cast<void>(!write(STDERR_FILENO, line.text.data(), line.size)); }
+
+void name_in_lack_of_memory(const std::string& rank) { line = Line(rank); }
+
+bool has_address_space(std::size_t bytes) {
+  void* const space = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (space == MAP_FAILED) return false;
+  munmap(space, bytes);
+  return true;
+}
 
 void prepare_for_lack_of_memory() { end_otherwise = std::set_terminate(end_by_exception); }
 

@@ -63,6 +63,44 @@ void remove_abandoned_once(const fs::path& folder) {
   }
 }
 
+constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
+
+const char* hint_for(int reason) {
+  if (reason == ENOSPC || reason == EDQUOT) return "make room on the disk, or choose another one";
+  if (reason == EFBIG)
+    return "the file is larger than this disk or the limit of files' sizes (ulimit -f) allows";
+  return "choose a folder that you may write to, on a disk that works";
+}
+
+/// Why the name cannot be a file's, as an errno value; 0: it can.
+int unusable(const fs::path& path) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!path.has_filename() || fs::is_directory(status)) return EISDIR;
+  // A device would be replaced by a file.
+  return fs::exists(status) && !fs::is_regular_file(status) ? ENOTSUP : 0;
+}
+
+/// Where a link of this user's leads: to a file of this user's, or a new one. A link that is another's, or
+/// leads to another's file, may lead to what nobody wanted to replace: it is itself what the file replaces.
+fs::path behind_links(const fs::path& path) {
+  constexpr int most_links = 40;
+  fs::path at = path;
+  for (int links = 0; links < most_links; ++links) {
+    struct stat status {};
+    if (::lstat(at.c_str(), &status) != 0) return at;
+    if (status.st_uid != geteuid()) break;
+    if (!S_ISLNK(status.st_mode)) return at;
+    std::error_code error;
+    at = folder_of(at) / fs::read_symlink(at, error);
+    if (error) break;
+  }
+  std::error_code ignored;
+  if (fs::is_symlink(path, ignored))
+    log_warning_once("{} is a link to what is not this user's: a file takes the link's place", path.string());
+  return path;
+}
+
 }  // namespace
 
 /// What is written before it has its name. Where the disk can, it is a file without any, of which nothing
@@ -125,48 +163,6 @@ class TemporaryFile {
   fs::path hidden_;  ///< empty: the file has no name
   int descriptor_ = -1;
 };
-
-namespace {
-
-constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
-
-const char* hint_for(int reason) {
-  if (reason == ENOSPC || reason == EDQUOT) return "make room on the disk, or choose another one";
-  if (reason == EFBIG)
-    return "the file is larger than this disk or the limit of files' sizes (ulimit -f) allows";
-  return "choose a folder that you may write to, on a disk that works";
-}
-
-/// Why the name cannot be a file's, as an errno value; 0: it can.
-int unusable(const fs::path& path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (!path.has_filename() || fs::is_directory(status)) return EISDIR;
-  // A device would be replaced by a file.
-  return fs::exists(status) && !fs::is_regular_file(status) ? ENOTSUP : 0;
-}
-
-/// Where a link of this user's leads: to a file of this user's, or a new one. A link that is another's, or
-/// leads to another's file, may lead to what nobody wanted to replace: it is itself what the file replaces.
-fs::path behind_links(const fs::path& path) {
-  constexpr int most_links = 40;
-  fs::path at = path;
-  for (int links = 0; links < most_links; ++links) {
-    struct stat status {};
-    if (::lstat(at.c_str(), &status) != 0) return at;
-    if (status.st_uid != geteuid()) break;
-    if (!S_ISLNK(status.st_mode)) return at;
-    std::error_code error;
-    at = folder_of(at) / fs::read_symlink(at, error);
-    if (error) break;
-  }
-  std::error_code ignored;
-  if (fs::is_symlink(path, ignored))
-    log_warning_once("{} is a link to what is not this user's: a file takes the link's place", path.string());
-  return path;
-}
-
-}  // namespace
 
 OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
   if (const int reason = unusable(path_)) fail(reason);

@@ -35,6 +35,38 @@ std::filesystem::path control_group() {
   return all;
 }
 
+/// Hardware threads that this process may run on.
+std::vector<int> allowed_threads() {
+  // The kernel refuses a set smaller than its own; this one is for 65,536 threads.
+  std::vector<cpu_set_t> set(64);
+  const std::size_t bytes = set.size() * sizeof(cpu_set_t);
+  std::vector<int> threads;
+  if (sched_getaffinity(0, bytes, set.data()) == 0)
+    for (std::size_t thread = 0; thread < 8 * bytes; ++thread)
+      if (CPU_ISSET_S(thread, bytes, set.data())) threads.push_back(int(thread));
+  if (!threads.empty()) return threads;
+  return {0};
+}
+
+/// The number of cores whose time this process's control group may use; infinite without a limit.
+double cores_of_control_group() {
+  double quota = 0, period = 0;
+  if (std::ifstream(control_group() / "cpu.max") >> quota >> period && period > 0) return quota / period;
+  return std::numeric_limits<double>::infinity();
+}
+
+/// Null where it is unknown.
+link_map* own_object() {
+  link_map* self = nullptr;
+#ifdef __GLIBC__
+  Dl_info ignored;
+  if (dladdr1(reinterpret_cast<void*>(&own_object), &ignored, reinterpret_cast<void**>(&self),
+              RTLD_DL_LINKMAP) == 0)
+    return nullptr;
+#endif
+  return self;
+}
+
 }  // namespace
 
 std::uint64_t peak_memory_bytes() {
@@ -70,30 +102,6 @@ void keep_standard_descriptors() {
   if (descriptor > STDERR_FILENO) close(descriptor);
 }
 
-namespace {
-
-/// Hardware threads that this process may run on.
-std::vector<int> allowed_threads() {
-  // The kernel refuses a set smaller than its own; this one is for 65,536 threads.
-  std::vector<cpu_set_t> set(64);
-  const std::size_t bytes = set.size() * sizeof(cpu_set_t);
-  std::vector<int> threads;
-  if (sched_getaffinity(0, bytes, set.data()) == 0)
-    for (std::size_t thread = 0; thread < 8 * bytes; ++thread)
-      if (CPU_ISSET_S(thread, bytes, set.data())) threads.push_back(int(thread));
-  if (!threads.empty()) return threads;
-  return {0};
-}
-
-/// The number of cores whose time this process's control group may use; infinite without a limit.
-double cores_of_control_group() {
-  double quota = 0, period = 0;
-  if (std::ifstream(control_group() / "cpu.max") >> quota >> period && period > 0) return quota / period;
-  return std::numeric_limits<double>::infinity();
-}
-
-}  // namespace
-
 std::vector<int> allowed_cores() {
   std::vector<int> cores;
   for (const int thread : allowed_threads()) {
@@ -109,22 +117,6 @@ std::vector<int> allowed_cores() {
   if (most < double(cores.size())) cores.resize(std::size_t(std::max(1.0, most)));
   return cores;
 }
-
-namespace {
-
-/// Null where it is unknown.
-link_map* own_object() {
-  link_map* self = nullptr;
-#ifdef __GLIBC__
-  Dl_info ignored;
-  if (dladdr1(reinterpret_cast<void*>(&own_object), &ignored, reinterpret_cast<void**>(&self),
-              RTLD_DL_LINKMAP) == 0)
-    return nullptr;
-#endif
-  return self;
-}
-
-}  // namespace
 
 std::filesystem::path own_folder() {
   const link_map* const self = own_object();

@@ -34,6 +34,22 @@ void* open_shared_library(const char* name) {
   return dlopen(name, RTLD_LAZY | RTLD_LOCAL);
 }
 
+RunError failed(const std::string& path, const std::string& why, const std::string& hint) {
+  return {fmt::format("{} cannot be written: {}", path, detail::one_line(why)), hint};
+}
+
+/// Memory does not run out like a disk, but the file size limit applies to it, too, and writers by name do
+/// not notice what it cuts off. No writer adds more at once than the image and its header.
+bool may_be_cut(std::uint64_t written, const ImageData& image) {
+  constexpr std::uint64_t largest_sample = 8, header = 1 << 16;
+  const std::uint64_t at_once = largest_sample * std::uint64_t(image.width) * std::uint64_t(image.height) *
+                                    std::uint64_t(image.channels) +
+                                header;
+  rlimit limit{};
+  const bool limited = getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  return limited && written + at_once > limit.rlim_cur;
+}
+
 }  // namespace
 
 const ImageLibrary& image_library_of(const char* shared_library) {
@@ -77,26 +93,6 @@ void require_image_library() {
 OpenedImageFile open_image_file(const std::filesystem::path& path) {
   return image_library().open(path.string());
 }
-
-namespace {
-
-RunError failed(const std::string& path, const std::string& why, const std::string& hint) {
-  return {fmt::format("{} cannot be written: {}", path, detail::one_line(why)), hint};
-}
-
-/// Memory does not run out like a disk, but the file size limit applies to it, too, and writers by name do
-/// not notice what it cuts off. No writer adds more at once than the image and its header.
-bool may_be_cut(std::uint64_t written, const ImageData& image) {
-  constexpr std::uint64_t largest_sample = 8, header = 1 << 16;
-  const std::uint64_t at_once = largest_sample * std::uint64_t(image.width) * std::uint64_t(image.height) *
-                                    std::uint64_t(image.channels) +
-                                header;
-  rlimit limit{};
-  const bool limited = getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
-  return limited && written + at_once > limit.rlim_cur;
-}
-
-}  // namespace
 
 Bytes image_file_bytes(const std::string& path, const ImageData& image) {
   Bytes bytes;

@@ -30,8 +30,7 @@ constexpr Format formats[] = {{".exr", true, true},   {".png", false, true}, {".
 
 const Format* format_of(const fs::path& file) {
   const std::string ending = detail::lower_case(file.extension().string());
-  const auto found = std::find_if(std::begin(formats), std::end(formats),
-                                  [&](const Format& f) { return ending == f.ending; });
+  const auto found = std::ranges::find(formats, ending, &Format::ending);
   return found == std::end(formats) ? nullptr : found;
 }
 
@@ -134,20 +133,6 @@ Image as_rgba(const ImageShape& shape, const std::vector<float>& values) {
   return image;
 }
 
-}  // namespace
-
-void check_image_name(const fs::path& file, const std::string& option, bool transparent) {
-  const Format* format = format_of(file);
-  if (format == nullptr)
-    throw InputError(fmt::format("{} {} has no ending of a known picture format", option, file.string()),
-                     "use .png, .exr, .tif, .tga or .jpg");
-  if (transparent && !format->alpha)
-    throw InputError(fmt::format("{} {}: this format cannot hold transparency", option, file.string()),
-                     "give a --background, or write a .png");
-}
-
-namespace {
-
 /// An image as a file of that format holds it. What `data` names lies in the rest.
 struct FilePixels {
   FilePixels(const Image& image, const Format& format, const std::optional<glm::dvec3>& background,
@@ -173,6 +158,16 @@ struct FilePixels {
 };
 
 }  // namespace
+
+void check_image_name(const fs::path& file, const std::string& option, bool transparent) {
+  const Format* format = format_of(file);
+  if (format == nullptr)
+    throw InputError(fmt::format("{} {} has no ending of a known picture format", option, file.string()),
+                     "use .png, .exr, .tif, .tga or .jpg");
+  if (transparent && !format->alpha)
+    throw InputError(fmt::format("{} {}: this format cannot hold transparency", option, file.string()),
+                     "give a --background, or write a .png");
+}
 
 void write_image(const Image& image, const fs::path& file, const std::optional<glm::dvec3>& background,
                  const std::string& settings, const Overlay& overlay) {

@@ -27,6 +27,26 @@ double parse_error(const std::string& text, const std::string& option) {
   return parse_positive(text, option, "give an RMSE above 0 in 1/255, for instance --max-error 0.5");
 }
 
+void settle_fit(const OptionList& list, RenderOptions& o) {
+  for (const char* const name :
+       {"--view", "--azimuth", "--elevation", "--matrix", "--eye", "--orbit", "--path", "--slice"})
+    o.direction_chosen = o.direction_chosen || list.is_given(name);
+  Camera& camera = o.frame.shown.camera;
+  if (o.fit && camera.fov > 0 && camera.eye)
+    throw InputError("--fit has no effect in perspective with --eye, which is where it is",
+                     "leave out --fit, and use --zoom or --fov");
+  const bool has_its_size = camera.matrix || (camera.fov > 0 && (camera.eye || camera.distance > 0));
+  const bool turns = o.orbit > 0 || !o.path.empty() || !o.views.empty();
+  camera.fit = has_its_size ? Fit::sphere : o.fit.value_or(turns ? Fit::sphere : Fit::box);
+}
+
+void settle_mode(const OptionList& list, RenderOptions& o) {
+  // Of fluorescence the largest values show most, where the other options allow a mode.
+  const bool mip = std::holds_alternative<Sheets>(o.frame.how) && !list.is_given("--mode") &&
+                   o.colour.interpolation != Interpolation::nearest;
+  if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
+}
+
 }  // namespace
 
 void add_error_options(OptionList& list, RenderOptions& o) {
@@ -75,30 +95,6 @@ void add_reference_options(OptionList& list, ReferenceOptions& o) {
        parsed(o.picture.background, parse_colour)},
   };
 }
-
-namespace {
-
-void settle_fit(const OptionList& list, RenderOptions& o) {
-  for (const char* const name :
-       {"--view", "--azimuth", "--elevation", "--matrix", "--eye", "--orbit", "--path", "--slice"})
-    o.direction_chosen = o.direction_chosen || list.is_given(name);
-  Camera& camera = o.frame.shown.camera;
-  if (o.fit && camera.fov > 0 && camera.eye)
-    throw InputError("--fit has no effect in perspective with --eye, which is where it is",
-                     "leave out --fit, and use --zoom or --fov");
-  const bool has_its_size = camera.matrix || (camera.fov > 0 && (camera.eye || camera.distance > 0));
-  const bool turns = o.orbit > 0 || !o.path.empty() || !o.views.empty();
-  camera.fit = has_its_size ? Fit::sphere : o.fit.value_or(turns ? Fit::sphere : Fit::box);
-}
-
-void settle_mode(const OptionList& list, RenderOptions& o) {
-  // Of fluorescence the largest values show most, where the other options allow a mode.
-  const bool mip = std::holds_alternative<Sheets>(o.frame.how) && !list.is_given("--mode") &&
-                   o.colour.interpolation != Interpolation::nearest;
-  if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
-}
-
-}  // namespace
 
 void settle_picture(const OptionList& list, RenderOptions& o) {
   if (o.colour.values && !o.output.empty() && !detail::lower_case(o.output).ends_with(".exr"))

@@ -19,6 +19,45 @@ void for_each_owned(const std::map<int, SliceStore>& stores, Axis axis, const F&
       if (store.owns(s)) f(store, s);
 }
 
+constexpr int reach = 2;  ///< slices to either side
+
+struct Head {
+  int slice, gp;
+  std::uint64_t bytes;
+};
+
+/// Gives the ranges of an owned slice to every GP that owns one near it: here at once, elsewhere by `out`.
+void give_around(std::map<int, SliceStore>& stores, const SliceStore& owner, Axis axis, int slice,
+                 const Sharing& sharing, std::vector<Block>& out) {
+  const auto ranges = std::make_shared<const CellRanges>(owner.slice(axis, slice));
+  std::vector<int> told;
+  for (int other = slice - reach; other <= slice + reach; ++other) {
+    if (other < 0 || other >= owner.grid().slices(axis)) continue;
+    const int gp = sharing.dealing.owner_of(other);
+    if (std::find(told.begin(), told.end(), gp) != told.end()) continue;
+    told.push_back(gp);
+    if (sharing.hosts(gp)) {
+      stores.at(gp).know_cell_ranges(axis, slice, ranges);
+      continue;
+    }
+    Block& block = out[std::size_t(sharing.process_of_gp[std::size_t(gp)])];
+    append(block, Head{slice, gp, ranges->bytes().size()});
+    block.insert(block.end(), ranges->bytes().begin(), ranges->bytes().end());
+  }
+}
+
+void take_given(std::span<const std::byte> in, Axis axis, std::map<int, SliceStore>& stores) {
+  for (std::size_t at = 0; at < in.size();) {
+    const auto head = next_value<Head>(in, at);
+    SliceStore& store = stores.at(head.gp);
+    const Grid& grid = store.grid();
+    store.know_cell_ranges(
+        axis, head.slice,
+        std::make_shared<const CellRanges>(grid.type, grid.slice_width(axis), grid.slice_height(axis),
+                                           next_bytes(in, at, head.bytes)));
+  }
+}
+
 }  // namespace
 
 std::vector<float> points_of(const VolumeSketch& sketch, const SliceView& slice) {
@@ -60,49 +99,6 @@ std::shared_ptr<const VolumeSketch> share_sketch(const std::map<int, SliceStore>
                  [](std::uint64_t of_point) { return std::bit_cast<float>(std::uint32_t(of_point)); });
   return sketch;
 }
-
-namespace {
-
-constexpr int reach = 2;  ///< slices to either side
-
-struct Head {
-  int slice, gp;
-  std::uint64_t bytes;
-};
-
-/// Gives the ranges of an owned slice to every GP that owns one near it: here at once, elsewhere by `out`.
-void give_around(std::map<int, SliceStore>& stores, const SliceStore& owner, Axis axis, int slice,
-                 const Sharing& sharing, std::vector<Block>& out) {
-  const auto ranges = std::make_shared<const CellRanges>(owner.slice(axis, slice));
-  std::vector<int> told;
-  for (int other = slice - reach; other <= slice + reach; ++other) {
-    if (other < 0 || other >= owner.grid().slices(axis)) continue;
-    const int gp = sharing.dealing.owner_of(other);
-    if (std::find(told.begin(), told.end(), gp) != told.end()) continue;
-    told.push_back(gp);
-    if (sharing.hosts(gp)) {
-      stores.at(gp).know_cell_ranges(axis, slice, ranges);
-      continue;
-    }
-    Block& block = out[std::size_t(sharing.process_of_gp[std::size_t(gp)])];
-    append(block, Head{slice, gp, ranges->bytes().size()});
-    block.insert(block.end(), ranges->bytes().begin(), ranges->bytes().end());
-  }
-}
-
-void take_given(std::span<const std::byte> in, Axis axis, std::map<int, SliceStore>& stores) {
-  for (std::size_t at = 0; at < in.size();) {
-    const auto head = next_value<Head>(in, at);
-    SliceStore& store = stores.at(head.gp);
-    const Grid& grid = store.grid();
-    store.know_cell_ranges(
-        axis, head.slice,
-        std::make_shared<const CellRanges>(grid.type, grid.slice_width(axis), grid.slice_height(axis),
-                                           next_bytes(in, at, head.bytes)));
-  }
-}
-
-}  // namespace
 
 void share_cell_ranges(std::map<int, SliceStore>& stores, const Sharing& sharing) {
   for (const Axis axis : all_axes) {

@@ -51,6 +51,76 @@ Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) 
   return facts;
 }
 
+/// Makes the engine of a rank, which gets its slices of the scene and its others.
+std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout,
+                                    const EngineOptions& options, TakePicture take) {
+  const auto slices_of = [rank](Scene& held) {
+    const auto store = held.stores.find(rank);
+    return std::make_shared<const SliceStore>(store == held.stores.end() ? SliceStore()
+                                                                         : std::move(store->second));
+  };
+  const auto kept =
+      options.keep ? std::uint64_t(*options.keep) << 20 : usual_kept_bytes(scene.grid, layout.gps);
+  EngineSetup setup{.grid = scene.grid,
+                    .gps = layout.gps,
+                    .renderers = layout.renderers,
+                    .bundle = layout.bundle,
+                    .colocated = layout.placement == Placement::colocated,
+                    .sketch = scene.sketch,
+                    .slices = slices_of(scene),
+                    .threads = options.threads_per_rank,
+                    .kept_bytes = kept / (1 + scene.others.size()),
+                    // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order
+                    // (net/mesh.hpp).
+                    .skip_empty = !layout.routed(),
+                    .take = std::move(take)};
+  if (options.encodes_pictures)
+    for (WorkCosts* costs : {&setup.splat_costs, &setup.sheet_costs}) costs->picture += encoding_a_pixel;
+  std::vector<EngineSetup> others(scene.others.size(), setup);
+  for (std::size_t k = 0; k < others.size(); ++k) {
+    others[k].sketch = scene.others[k].sketch;
+    others[k].slices = slices_of(scene.others[k]);
+  }
+  return options.engine ? options.engine(std::move(setup)) : make_rank_engine(setup, others);
+}
+
+void run_on_transport(Engine& engine, FrameSource& frames, const Layout& layout,
+                      const ProtocolOptions& protocol, Transport& plain, const EngineOptions& options) {
+  const auto network = options.network ? options.network(plain) : nullptr;
+  Transport& transport = network ? *network : plain;
+  Rank(layout, protocol, transport, engine, &frames, {.pace = options.pace}).host().run();
+}
+
+class Engines final : public Engine {
+ public:
+  Engines(std::vector<EngineSetup> volumes, std::vector<MethodEngine> methods)
+      : volumes_(std::move(volumes)), methods_(std::move(methods)) {}
+
+  FramePlan plan(const Announcement& a) override { return engine_of(a).plan(a); }
+  std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
+    return engine_of(a).encoder(gp, a);
+  }
+  Painter& painter(int renderer, const Announcement& a) override { return engine_of(a).painter(renderer, a); }
+  std::unique_ptr<Canvas> canvas(const Announcement& a) override { return engine_of(a).canvas(a); }
+
+ private:
+  Engine& engine_of(const Announcement& a) {
+    const std::pair key(volume_of(a.body), method_of(a.body));
+    auto& engine = engines_[key];
+    if (!engine) engine = make(key.first, key.second);
+    return *engine;
+  }
+  std::unique_ptr<Engine> make(std::size_t volume, const std::string& method) const {
+    for (const MethodEngine& known : methods_)
+      if (method == known.method && volume < volumes_.size()) return known.make(volumes_[volume]);
+    throw RunError("there is no engine for " + method);
+  }
+
+  std::vector<EngineSetup> volumes_;
+  std::vector<MethodEngine> methods_;
+  std::map<std::pair<std::size_t, std::string>, std::unique_ptr<Engine>> engines_;
+};
+
 }  // namespace
 
 std::string wire_format() { return RINGSPLAT_WIRE_FORMAT; }
@@ -138,50 +208,6 @@ void check(const EngineOptions& options) {
         fmt::format("use one for each core of a rank, at most {}", ThreadTeam::most_threads));
 }
 
-namespace {
-
-/// Makes the engine of a rank, which gets its slices of the scene and its others.
-std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout,
-                                    const EngineOptions& options, TakePicture take) {
-  const auto slices_of = [rank](Scene& held) {
-    const auto store = held.stores.find(rank);
-    return std::make_shared<const SliceStore>(store == held.stores.end() ? SliceStore()
-                                                                         : std::move(store->second));
-  };
-  const auto kept =
-      options.keep ? std::uint64_t(*options.keep) << 20 : usual_kept_bytes(scene.grid, layout.gps);
-  EngineSetup setup{.grid = scene.grid,
-                    .gps = layout.gps,
-                    .renderers = layout.renderers,
-                    .bundle = layout.bundle,
-                    .colocated = layout.placement == Placement::colocated,
-                    .sketch = scene.sketch,
-                    .slices = slices_of(scene),
-                    .threads = options.threads_per_rank,
-                    .kept_bytes = kept / (1 + scene.others.size()),
-                    // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order
-                    // (net/mesh.hpp).
-                    .skip_empty = !layout.routed(),
-                    .take = std::move(take)};
-  if (options.encodes_pictures)
-    for (WorkCosts* costs : {&setup.splat_costs, &setup.sheet_costs}) costs->picture += encoding_a_pixel;
-  std::vector<EngineSetup> others(scene.others.size(), setup);
-  for (std::size_t k = 0; k < others.size(); ++k) {
-    others[k].sketch = scene.others[k].sketch;
-    others[k].slices = slices_of(scene.others[k]);
-  }
-  return options.engine ? options.engine(std::move(setup)) : make_rank_engine(setup, others);
-}
-
-void run_on_transport(Engine& engine, FrameSource& frames, const Layout& layout,
-                      const ProtocolOptions& protocol, Transport& plain, const EngineOptions& options) {
-  const auto network = options.network ? options.network(plain) : nullptr;
-  Transport& transport = network ? *network : plain;
-  Rank(layout, protocol, transport, engine, &frames, {.pace = options.pace}).host().run();
-}
-
-}  // namespace
-
 void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
                    const Wiring& wiring, const EngineOptions& options) {
   check_wiring(layout, wiring);
@@ -200,40 +226,6 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
     run_on_transport(*engine_of(wiring.transport->rank()), frames, layout, protocol, *wiring.transport,
                      options);
 }
-
-namespace {
-
-class Engines final : public Engine {
- public:
-  Engines(std::vector<EngineSetup> volumes, std::vector<MethodEngine> methods)
-      : volumes_(std::move(volumes)), methods_(std::move(methods)) {}
-
-  FramePlan plan(const Announcement& a) override { return engine_of(a).plan(a); }
-  std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
-    return engine_of(a).encoder(gp, a);
-  }
-  Painter& painter(int renderer, const Announcement& a) override { return engine_of(a).painter(renderer, a); }
-  std::unique_ptr<Canvas> canvas(const Announcement& a) override { return engine_of(a).canvas(a); }
-
- private:
-  Engine& engine_of(const Announcement& a) {
-    const std::pair key(volume_of(a.body), method_of(a.body));
-    auto& engine = engines_[key];
-    if (!engine) engine = make(key.first, key.second);
-    return *engine;
-  }
-  std::unique_ptr<Engine> make(std::size_t volume, const std::string& method) const {
-    for (const MethodEngine& known : methods_)
-      if (method == known.method && volume < volumes_.size()) return known.make(volumes_[volume]);
-    throw RunError("there is no engine for " + method);
-  }
-
-  std::vector<EngineSetup> volumes_;
-  std::vector<MethodEngine> methods_;
-  std::map<std::pair<std::size_t, std::string>, std::unique_ptr<Engine>> engines_;
-};
-
-}  // namespace
 
 std::vector<MethodEngine> drawing_engines() {
   return {{Splats::name, make_splat_engine}, {Sheets::name, make_sheet_engine}};

@@ -48,6 +48,15 @@ void convert(const std::byte* from, auto count, const PlaneCode& code, Number* t
   }
 }
 
+template <class Number>
+Number beyond(Number edge, Number inner) {
+  const auto value = static_cast<Number>(2 * edge - inner);
+  // What lies beyond the outer voxels has no weight, but not-a-number times zero would be one.
+  if constexpr (std::is_floating_point_v<Number>)
+    if (!std::isfinite(value)) return edge;
+  return value;
+}
+
 }  // namespace
 
 Fillers make_fillers(const TransparentValues& transparent, ScalarType type, double low, double high) {
@@ -268,19 +277,6 @@ void ScalarPlanes::put_blocks(Number* plane, Slot& slot, std::uint8_t voxels_are
   forget_up_to(blocks());
   slot.others.swap(others_);
 }
-
-namespace {
-
-template <class Number>
-Number beyond(Number edge, Number inner) {
-  const auto value = static_cast<Number>(2 * edge - inner);
-  // What lies beyond the outer voxels has no weight, but not-a-number times zero would be one.
-  if constexpr (std::is_floating_point_v<Number>)
-    if (!std::isfinite(value)) return edge;
-  return value;
-}
-
-}  // namespace
 
 template <class Number>
 void ScalarPlanes::extrapolate_border(Number* p) {

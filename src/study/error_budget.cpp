@@ -136,124 +136,6 @@ std::string method_text(const Sheets& s) {
          plane_text(s.image_plane, s.plane_samples);
 }
 
-}  // namespace
-
-FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts) {
-  frame.shown.opaque_threshold = shortcuts.opaque_threshold;
-  frame.how = shortcuts.how;
-  frame.shown.reduction.factor = shortcuts.undersample;
-  return frame;
-}
-
-Shortcuts shortcuts_of(const FrameSpec& frame) {
-  return {frame.shown.opaque_threshold, frame.how, frame.shown.reduction.factor};
-}
-
-std::vector<int> levels_to_choose_from() {
-  std::vector<int> factors{1};
-  factors.insert(factors.end(), std::begin(undersampling), std::end(undersampling));
-  return factors;
-}
-
-std::string to_text(const Shortcuts& s) {
-  std::string text = fmt::format("--opaque-threshold {} ", s.opaque_threshold) +
-                     std::visit([](const auto& how) { return method_text(how); }, s.how);
-  if (s.undersample > 1) text += fmt::format(" --undersample {}", s.undersample);
-  return text;
-}
-
-std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& o) {
-  std::vector<Shortcuts> all;
-  const auto add = [&](const auto& how) { add_candidates(how, frame, o, all); };
-  std::visit(add, frame.how);
-  if (o.other_engine) std::visit(add, *o.other_engine);
-  return all;
-}
-
-std::optional<std::size_t> cheapest_within(std::span<const MeasuredShortcuts> measured, double max_error) {
-  std::optional<double> least;
-  for (const auto& m : measured)
-    if (m.rmse_high <= max_error) least = std::min(least.value_or(m.seconds), m.seconds);
-  if (!least) return std::nullopt;
-  std::optional<std::size_t> best;
-  for (std::size_t k = 0; k < measured.size(); ++k) {
-    const auto& m = measured[k];
-    if (!(m.rmse_high <= max_error && m.seconds <= *least * same_time)) continue;
-    if (!best || m.rmse_high < measured[*best].rmse_high) best = k;
-  }
-  return best;
-}
-
-std::size_t most_exact(std::span<const MeasuredShortcuts> measured) {
-  const auto best = std::min_element(measured.begin(), measured.end(), [](const auto& a, const auto& b) {
-    return a.rmse_high != b.rmse_high ? a.rmse_high < b.rmse_high : a.seconds < b.seconds;
-  });
-  return std::size_t(best - measured.begin());
-}
-
-std::optional<Shortcuts> more_exact(std::span<const MeasuredShortcuts> measured, const Shortcuts& used,
-                                    double rmse, double max_error, bool last) {
-  const auto before =
-      std::find_if(measured.begin(), measured.end(), [&](const auto& m) { return m.shortcuts == used; });
-  if (before == measured.end()) return std::nullopt;
-  std::vector<MeasuredShortcuts> others;
-  for (const auto& m : measured)
-    if (m.rmse_high < before->rmse_high) others.push_back(m);
-  if (others.empty()) return std::nullopt;
-  const auto within = last ? std::nullopt : cheapest_within(others, max_error * before->rmse_high / rmse);
-  return others[within.value_or(most_exact(others))].shortcuts;
-}
-
-WholeVolume read_whole(VolumeSource& source) {
-  const Grid& grid = source.grid();
-  const double machine = machine_memory_bytes(), needed = 8.0 * double(grid.voxels());
-  if (needed > 0.9 * machine)
-    throw InputError(
-        fmt::format(
-            "a truth needs the whole volume in one process, {:.1f} GiB, but the machine has {:.1f} GiB",
-            needed / (1 << 30), machine / (1 << 30)),
-        "measure on a smaller volume");
-  WholeVolume volume{{grid, truth::read_values(source)}, {}};
-  const VolumeNotes notes = source.notes();
-  const Pass pass = [&, of_slice = std::ptrdiff_t(grid.slice_voxels(Axis::z))](const RowVisitor& visit) {
-    visit_type(grid.type, [&](auto zero) {
-      for (auto at = volume.scene.values.begin(); at != volume.scene.values.end(); at += of_slice) {
-        const std::vector<decltype(zero)> slice(at, at + of_slice);  // as they were before they were widened
-        visit(std::as_bytes(std::span(slice)), grid.dims.x);
-      }
-    });
-  };
-  volume.statistics = describe_values({grid.type, notes.fill}, grid.dims, notes, pass);
-  return volume;
-}
-
-double certified_width(const truth::Scene& scene) { return (scene.shaded() ? 0.5 : 0.1) / truth::levels; }
-
-std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e,
-                                  std::span<const truth::Pixel> pixels) {
-  if (e.truth == TruthKind::method) return truth::method_truth(scene, pixels);
-  if (e.truth == TruthKind::field) return truth::field_truth(scene, pixels, e.tolerance);
-  if (e.truth == TruthKind::certified) {
-    std::vector<truth::Rgba> middles;
-    for (const auto& bounds : truth::certified_bounds(scene, pixels, certified_width(scene)))
-      middles.push_back(bounds.middle());
-    return middles;
-  }
-  return truth::analytic_truth(scene, synth_field(e.formula), truth::synth_scale(scene.grid.type), pixels,
-                               e.tolerance);
-}
-
-SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const Evaluation& evaluation,
-                          std::size_t pixels, std::uint64_t seed) {
-  const auto bounds =
-      evaluation.truth == TruthKind::method ? truth::method_bounds(scene) : truth::field_bounds(scene);
-  SampledTruth made{truth::draw_sample(picture, bounds, pixels, seed), {}};
-  made.colours = evaluate(scene, evaluation, made.sample.pixels);
-  return made;
-}
-
-namespace {
-
 truth::Rgba colour_of(const float* pixel) { return {pixel[0], pixel[1], pixel[2], pixel[3]}; }
 
 double largest_error(const truth::Rgba& colour, const truth::Rgba& exact) {
@@ -314,6 +196,119 @@ MeasuredError measure_certified(Image& image, const truth::Scene& scene, const E
 }
 
 }  // namespace
+
+FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts) {
+  frame.shown.opaque_threshold = shortcuts.opaque_threshold;
+  frame.how = shortcuts.how;
+  frame.shown.reduction.factor = shortcuts.undersample;
+  return frame;
+}
+
+Shortcuts shortcuts_of(const FrameSpec& frame) {
+  return {frame.shown.opaque_threshold, frame.how, frame.shown.reduction.factor};
+}
+
+std::vector<int> levels_to_choose_from() {
+  std::vector<int> factors{1};
+  factors.insert(factors.end(), std::begin(undersampling), std::end(undersampling));
+  return factors;
+}
+
+std::string to_text(const Shortcuts& s) {
+  std::string text = fmt::format("--opaque-threshold {} ", s.opaque_threshold) +
+                     std::visit([](const auto& how) { return method_text(how); }, s.how);
+  if (s.undersample > 1) text += fmt::format(" --undersample {}", s.undersample);
+  return text;
+}
+
+std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& o) {
+  std::vector<Shortcuts> all;
+  const auto add = [&](const auto& how) { add_candidates(how, frame, o, all); };
+  std::visit(add, frame.how);
+  if (o.other_engine) std::visit(add, *o.other_engine);
+  return all;
+}
+
+std::optional<std::size_t> cheapest_within(std::span<const MeasuredShortcuts> measured, double max_error) {
+  std::optional<double> least;
+  for (const auto& m : measured)
+    if (m.rmse_high <= max_error) least = std::min(least.value_or(m.seconds), m.seconds);
+  if (!least) return std::nullopt;
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    const auto& m = measured[k];
+    if (!(m.rmse_high <= max_error && m.seconds <= *least * same_time)) continue;
+    if (!best || m.rmse_high < measured[*best].rmse_high) best = k;
+  }
+  return best;
+}
+
+std::size_t most_exact(std::span<const MeasuredShortcuts> measured) {
+  const auto best = std::min_element(measured.begin(), measured.end(), [](const auto& a, const auto& b) {
+    return a.rmse_high != b.rmse_high ? a.rmse_high < b.rmse_high : a.seconds < b.seconds;
+  });
+  return std::size_t(best - measured.begin());
+}
+
+std::optional<Shortcuts> more_exact(std::span<const MeasuredShortcuts> measured, const Shortcuts& used,
+                                    double rmse, double max_error, bool last) {
+  const auto before = std::ranges::find_if(measured, [&](const auto& m) { return m.shortcuts == used; });
+  if (before == measured.end()) return std::nullopt;
+  std::vector<MeasuredShortcuts> others;
+  for (const auto& m : measured)
+    if (m.rmse_high < before->rmse_high) others.push_back(m);
+  if (others.empty()) return std::nullopt;
+  const auto within = last ? std::nullopt : cheapest_within(others, max_error * before->rmse_high / rmse);
+  return others[within.value_or(most_exact(others))].shortcuts;
+}
+
+WholeVolume read_whole(VolumeSource& source) {
+  const Grid& grid = source.grid();
+  const double machine = machine_memory_bytes(), needed = 8.0 * double(grid.voxels());
+  if (needed > 0.9 * machine)
+    throw InputError(
+        fmt::format(
+            "a truth needs the whole volume in one process, {:.1f} GiB, but the machine has {:.1f} GiB",
+            needed / (1 << 30), machine / (1 << 30)),
+        "measure on a smaller volume");
+  WholeVolume volume{{grid, truth::read_values(source)}, {}};
+  const VolumeNotes notes = source.notes();
+  const Pass pass = [&, of_slice = std::ptrdiff_t(grid.slice_voxels(Axis::z))](const RowVisitor& visit) {
+    visit_type(grid.type, [&](auto zero) {
+      for (auto at = volume.scene.values.begin(); at != volume.scene.values.end(); at += of_slice) {
+        const std::vector<decltype(zero)> slice(at, at + of_slice);  // as they were before they were widened
+        visit(std::as_bytes(std::span(slice)), grid.dims.x);
+      }
+    });
+  };
+  volume.statistics = describe_values({grid.type, notes.fill}, grid.dims, notes, pass);
+  return volume;
+}
+
+double certified_width(const truth::Scene& scene) { return (scene.shaded() ? 0.5 : 0.1) / truth::levels; }
+
+std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e,
+                                  std::span<const truth::Pixel> pixels) {
+  if (e.truth == TruthKind::method) return truth::method_truth(scene, pixels);
+  if (e.truth == TruthKind::field) return truth::field_truth(scene, pixels, e.tolerance);
+  if (e.truth == TruthKind::certified) {
+    std::vector<truth::Rgba> middles;
+    for (const auto& bounds : truth::certified_bounds(scene, pixels, certified_width(scene)))
+      middles.push_back(bounds.middle());
+    return middles;
+  }
+  return truth::analytic_truth(scene, synth_field(e.formula), truth::synth_scale(scene.grid.type), pixels,
+                               e.tolerance);
+}
+
+SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const Evaluation& evaluation,
+                          std::size_t pixels, std::uint64_t seed) {
+  const auto bounds =
+      evaluation.truth == TruthKind::method ? truth::method_bounds(scene) : truth::field_bounds(scene);
+  SampledTruth made{truth::draw_sample(picture, bounds, pixels, seed), {}};
+  made.colours = evaluate(scene, evaluation, made.sample.pixels);
+  return made;
+}
 
 TruthKind calibrating_truth(const ErrorOptions& options) {
   const TruthKind truth = options.truth.value_or(TruthKind::method);

@@ -46,8 +46,7 @@ void read(OptionList& list, const app::Words& words) {
   for (std::size_t k = 0; k < words.size();) {
     const auto equals = words[k].find('=');
     const std::string name = words[k].substr(0, equals);
-    const auto option =
-        std::find_if(list.begin(), list.end(), [&](const Option& o) { return o.has_name(name); });
+    const auto option = std::ranges::find_if(list, [&](const Option& o) { return o.has_name(name); });
     if (option == list.end()) throw unexpected(fmt::format("'{}' is not expected here", words[k]));
     app::Words given{equals == std::string::npos ? "true" : words[k].substr(equals + 1)};
     for (++k; k < words.size() && !words[k].starts_with("--"); ++k) given.push_back(words[k]);
@@ -58,6 +57,41 @@ void read(OptionList& list, const app::Words& words) {
   }
   list.read();
   refuse_contradictions(list);
+}
+
+/// The volume, of which a hook is called at each piece that is read.
+app::VolumeOptions polled(const app::VolumeOptions& volume, const Hooks& hooks) {
+  if (!hooks.poll) return volume;
+  app::VolumeOptions result = volume;
+  const auto progress = std::make_shared<app::Progress>(
+      app::Progress::Listener{[poll = hooks.poll](auto&&...) { poll(); }, {}});
+  result.opener = [volume, progress](const VolumeChoice& choice) {
+    app::VolumeOptions chosen = volume;
+    chosen.choice = choice;
+    return std::make_unique<app::WatchedSource>(open_volume(chosen), *progress);
+  };
+  return result;
+}
+
+app::Progress::Listener listener(const Hooks& hooks) {
+  const auto at = [&hooks](const std::string& what, double done, double total) {
+    if (hooks.poll) hooks.poll();
+    if (hooks.told) hooks.told(what, done, total);
+  };
+  return {at, [](const std::string& line) { log_info("{}", line); }};
+}
+
+truth::Scene read_scene(const app::VolumeOptions& volume, const Hooks& hooks) {
+  const auto source = open_volume(volume);
+  truth::Scene scene = app::read_whole(*source).scene;
+  scene.poll = hooks.poll;
+  return scene;
+}
+
+app::MeasuredError measured(Picture& picture, truth::Scene& scene, const app::ErrorOptions& error) {
+  scene.frame = picture.spec;
+  scene.frame.how = picture.asked;
+  return app::measure(picture.image, scene, error);
 }
 
 }  // namespace
@@ -99,45 +133,6 @@ std::string picture_options_json() {
                     {"session", in_sessions.find(option.name()) != nullptr}});
   return list.dump();
 }
-
-namespace {
-
-/// The volume, of which a hook is called at each piece that is read.
-app::VolumeOptions polled(const app::VolumeOptions& volume, const Hooks& hooks) {
-  if (!hooks.poll) return volume;
-  app::VolumeOptions result = volume;
-  const auto progress = std::make_shared<app::Progress>(
-      app::Progress::Listener{[poll = hooks.poll](auto&&...) { poll(); }, {}});
-  result.opener = [volume, progress](const VolumeChoice& choice) {
-    app::VolumeOptions chosen = volume;
-    chosen.choice = choice;
-    return std::make_unique<app::WatchedSource>(open_volume(chosen), *progress);
-  };
-  return result;
-}
-
-app::Progress::Listener listener(const Hooks& hooks) {
-  const auto at = [&hooks](const std::string& what, double done, double total) {
-    if (hooks.poll) hooks.poll();
-    if (hooks.told) hooks.told(what, done, total);
-  };
-  return {at, [](const std::string& line) { log_info("{}", line); }};
-}
-
-truth::Scene read_scene(const app::VolumeOptions& volume, const Hooks& hooks) {
-  const auto source = open_volume(volume);
-  truth::Scene scene = app::read_whole(*source).scene;
-  scene.poll = hooks.poll;
-  return scene;
-}
-
-app::MeasuredError measured(Picture& picture, truth::Scene& scene, const app::ErrorOptions& error) {
-  scene.frame = picture.spec;
-  scene.frame.how = picture.asked;
-  return app::measure(picture.image, scene, error);
-}
-
-}  // namespace
 
 Picture picture_of(FrameResult&& result, const app::RenderOptions& options, const ValueRange& range,
                    const std::optional<app::Annotation>& annotation,

@@ -30,50 +30,6 @@ Json read_json(const std::filesystem::path& file) {
   return json;
 }
 
-}  // namespace
-
-std::optional<Node> node_at(const std::filesystem::path& folder) {
-  for (const std::string name : {"zarr.json", ".zarray", ".zgroup", "attributes.json"}) {
-    Node node{.folder = folder,
-              .file = folder / name,
-              .version_3 = name[0] == 'z',
-              .n5 = name[0] == 'a',
-              .json = {}};
-    if (!std::filesystem::exists(node.file)) continue;
-    node.json = read_json(node.file);
-    node.is_array = node.version_3 ? node.json.at("node_type") == "array"
-                    : node.n5      ? node.json.contains("dimensions")
-                                   : name == ".zarray";
-    if (node.version_3)
-      node.ome = node.json.value("/attributes/ome"_json_pointer, node.ome);
-    else if (std::filesystem::exists(folder / ".zattrs"))
-      node.ome = read_json(folder / ".zattrs");
-    return node;
-  }
-  return {};
-}
-
-Json list_in(const Json& json, const char* name) { return json.value(name, Json::array()); }
-
-std::string text_in(const Json& json, const char* name) {
-  const auto text = json.value(name, Json());
-  return text.is_string() ? text.get<std::string>() : std::string();
-}
-
-Sizes sizes_in(const Node& node, const Json& list, int least) {
-  Sizes sizes;
-  auto given = list.get<std::vector<double>>();
-  if (node.n5) std::ranges::reverse(given);
-  for (const double size : given) {
-    if (!(size >= least && size <= std::numeric_limits<int>::max() && size == std::trunc(size)))
-      node.fail("{} is no size", size);
-    sizes.push_back(std::int64_t(size));
-  }
-  return sizes;
-}
-
-namespace {
-
 const NumberType* type_of(const Node& node, std::string_view name) {
   if (const auto* const type = number_type(name)) return type;
   refuse(node.file, "only integers and floating-point numbers of at most 64 bits can be drawn",
@@ -190,6 +146,46 @@ void check(const Node& node, Array& array) {
 }
 
 }  // namespace
+
+std::optional<Node> node_at(const std::filesystem::path& folder) {
+  for (const std::string name : {"zarr.json", ".zarray", ".zgroup", "attributes.json"}) {
+    Node node{.folder = folder,
+              .file = folder / name,
+              .version_3 = name[0] == 'z',
+              .n5 = name[0] == 'a',
+              .json = {}};
+    if (!std::filesystem::exists(node.file)) continue;
+    node.json = read_json(node.file);
+    node.is_array = node.version_3 ? node.json.at("node_type") == "array"
+                    : node.n5      ? node.json.contains("dimensions")
+                                   : name == ".zarray";
+    if (node.version_3)
+      node.ome = node.json.value("/attributes/ome"_json_pointer, node.ome);
+    else if (std::filesystem::exists(folder / ".zattrs"))
+      node.ome = read_json(folder / ".zattrs");
+    return node;
+  }
+  return {};
+}
+
+Json list_in(const Json& json, const char* name) { return json.value(name, Json::array()); }
+
+std::string text_in(const Json& json, const char* name) {
+  const auto text = json.value(name, Json());
+  return text.is_string() ? text.get<std::string>() : std::string();
+}
+
+Sizes sizes_in(const Node& node, const Json& list, int least) {
+  Sizes sizes;
+  auto given = list.get<std::vector<double>>();
+  if (node.n5) std::ranges::reverse(given);
+  for (const double size : given) {
+    if (!(size >= least && size <= std::numeric_limits<int>::max() && size == std::trunc(size)))
+      node.fail("{} is no size", size);
+    sizes.push_back(std::int64_t(size));
+  }
+  return sizes;
+}
 
 Array array_of(const Node& node) {
   Array array;
