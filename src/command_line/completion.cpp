@@ -1,7 +1,6 @@
 #include "command_line/command_line.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <string_view>
 
 #include "classify/colour_maps.hpp"
@@ -114,9 +113,7 @@ void offer_known(Offers& offers, const Option& option) {
 
 /// Words of a form stand for themselves; what is a kind of value has a capital letter.
 bool is_word(std::string_view part) {
-  return !part.empty() && std::all_of(part.begin(), part.end(), [](unsigned char c) {
-    return std::islower(c) != 0 || std::isdigit(c) != 0 || c == '.' || c == '-';
-  });
+  return !part.empty() && part.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789.-") == part.npos;
 }
 
 void offer_values(Offers& offers, const Option& option) {

@@ -1,7 +1,5 @@
 #include "formats/signatures.hpp"
 
-#include <algorithm>
-#include <array>
 #include <span>
 #include <system_error>
 
@@ -10,11 +8,8 @@
 namespace ringsplat::detail {
 
 bool begins_with(const InputFile& file, std::uint64_t at, std::string_view signature) {
-  std::array<std::byte, 8> bytes{};
-  const auto part = std::span(bytes).first(signature.size());
-  return file.read_some(at, part) == part.size() &&
-         std::equal(part.begin(), part.end(), signature.begin(),
-                    [](std::byte b, char c) { return b == std::byte(static_cast<unsigned char>(c)); });
+  std::string bytes(signature.size(), '\0');
+  return file.read_some(at, std::as_writable_bytes(std::span(bytes))) == bytes.size() && bytes == signature;
 }
 
 bool is_hdf5(const std::filesystem::path& path) {

@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <tuple>
-#include <vector>
 
 #include "frame/frame_geometry.hpp"
 #include "options/option_tables.hpp"

@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
 #include "base/log.hpp"
@@ -55,8 +54,7 @@ bool read_kept(const KeptFile& file, const std::function<void(const json&)>& tak
   std::string problem;
   try {
     std::ifstream in(file.path, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    const json stored = json::parse(text);
+    const json stored = json::parse(in);
     if (stored.at("key") == json::parse(file.key)) {
       take(stored.at("measured"));
       return true;

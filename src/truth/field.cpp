@@ -1,7 +1,6 @@
 #include "truth/field.hpp"
 
 #include <algorithm>
-#include <array>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>

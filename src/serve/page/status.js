@@ -31,7 +31,6 @@ export function showDriver(driving, viewers) {
   const others = viewers > 2 ? `, ${viewers} in all` : '';
   byId('banner-text').textContent = `You are watching${others}; another page drives.`;
   byId('controls').disabled = !driving;
-  document.body.classList.toggle('watching', !driving);
 }
 
 /** The same message is shown once, however often it comes. `stays`: until it is dismissed. */
