@@ -213,8 +213,7 @@ double round_length(double most) {
 std::string patient_letters(const glm::dvec3& direction) {
   constexpr const char *positive = "LPH", *negative = "RAF";
   std::array<int, 3> order{0, 1, 2};
-  std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return std::abs(direction[a]) > std::abs(direction[b]); });
+  std::ranges::sort(order, [&](int a, int b) { return std::abs(direction[a]) > std::abs(direction[b]); });
   constexpr double least = 0.25;  // of the whole length: 15 degrees
   std::string letters;
   for (const int k : order)

@@ -54,9 +54,8 @@ std::vector<std::string> shown_channels(const VolumeNotes& notes) {
 
 /// Where a file has one colour for all of several channels, no program has chosen it.
 void leave_out_same_colours(std::vector<ChannelNotes>& channels) {
-  const bool same = std::all_of(channels.begin(), channels.end(), [&](const ChannelNotes& channel) {
-    return channel.colour == channels.front().colour;
-  });
+  const bool same = std::ranges::all_of(
+      channels, [&](const ChannelNotes& channel) { return channel.colour == channels.front().colour; });
   for (ChannelNotes& channel : channels)
     if ((same && channels.size() > 1) || channel.colour == glm::dvec3(0)) channel.colour.reset();
 }

@@ -87,8 +87,7 @@ std::string triple_text(const glm::dvec3& v, const char* between) {
 /// Bars show the square root of counts: the air around an object would flatten all others.
 std::string histogram_text(const ValueStatistics& values) {
   const Histogram histogram = coarser(values.histogram, shown_bins);
-  const double highest =
-      std::sqrt(double(*std::max_element(histogram.counts.begin(), histogram.counts.end())));
+  const double highest = std::sqrt(double(*std::ranges::max_element(histogram.counts)));
   const double total = double(std::max<std::uint64_t>(1, values.range.finite));
   std::string text = "histogram  (bars by the square root)\n";
   const auto outside = [&](std::uint64_t count, const char* where, double from, double to) {

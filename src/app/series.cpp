@@ -116,9 +116,8 @@ std::vector<SeriesEntry> look_for(const VolumeOptions& volume, const std::option
     std::vector<int> numbers;
     for (const SeriesEntry& entry : entries) numbers.push_back(entry.number);
     const auto chosen = chosen_frames(*range, numbers, printable(volume.path));
-    std::erase_if(entries, [&](const SeriesEntry& entry) {
-      return !std::binary_search(chosen.begin(), chosen.end(), entry.number);
-    });
+    std::erase_if(
+        entries, [&](const SeriesEntry& entry) { return !std::ranges::binary_search(chosen, entry.number); });
     return entries;
   } catch (const fs::filesystem_error& error) {
     throw InputError(fmt::format("cannot look for {}: {}", printable(volume.path), error.code().message()),
@@ -152,9 +151,7 @@ std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& 
                                                                                        : numbers.back() + 1);
   const std::string there = fmt::format("{} has {} volume{}, numbered from {} to {}", what, numbers.size(),
                                         numbers.size() == 1 ? "" : "s", numbers.front(), numbers.back());
-  const auto is_there = [&](std::int64_t number) {
-    return std::binary_search(numbers.begin(), numbers.end(), number);
-  };
+  const auto is_there = [&](std::int64_t number) { return std::ranges::binary_search(numbers, number); };
   std::vector<int> chosen;
   for (const int number : numbers)
     if (number >= first && number < end && (number - first) % range.step == 0) chosen.push_back(number);

@@ -83,8 +83,7 @@ void clear_at(TransferFunction& tf, double value, bool whole) {
                high = whole ? value + 0.5 : std::nextafter(value, infinity);
   const double before = opacity_at(tf.opacities, low), after = opacity_at(tf.opacities, high);
   std::erase_if(tf.opacities, [&](const auto& p) { return p.value >= low && p.value <= high; });
-  const auto at =
-      std::find_if(tf.opacities.begin(), tf.opacities.end(), [&](const auto& p) { return p.value > high; });
+  const auto at = std::ranges::find_if(tf.opacities, [&](const auto& p) { return p.value > high; });
   tf.opacities.insert(at, {{low, before}, {low, 0.0}, {high, 0.0}, {high, after}});
 }
 

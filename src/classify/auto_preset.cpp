@@ -197,8 +197,7 @@ void thin_out(TransferFunction& tf, const Plateau& plateau, const Data& d) {
   for (auto& point : tf.opacities)
     if (point.opacity <= opacity) point.opacity *= most / depth;
   const TransferFunction::OpacityPoint at{plateau.value, opacity * most / depth};
-  const auto next = std::find_if(tf.opacities.begin(), tf.opacities.end(),
-                                 [&](const auto& p) { return p.value > at.value; });
+  const auto next = std::ranges::find_if(tf.opacities, [&](const auto& p) { return p.value > at.value; });
   tf.opacities.insert(next, at);
 }
 

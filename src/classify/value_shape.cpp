@@ -13,9 +13,8 @@ namespace {
 bool is_fill(const ValueBin& end, double gap, double span, double total) {
   static constexpr double usual[] = {-99999, -9999, -999, -32768, -32767, 9999, 99999, 999999, 32767};
   constexpr double huge = 1e19;
-  const bool known =
-      std::abs(end.middle()) >= huge || std::any_of(std::begin(usual), std::end(usual),
-                                                    [&](double v) { return end.low <= v && v <= end.high; });
+  const bool known = std::abs(end.middle()) >= huge ||
+                     std::ranges::any_of(usual, [&](double v) { return end.low <= v && v <= end.high; });
   return double(end.count) >= 0.001 * total && gap >= (known ? 0.1 : 2.0) * span;
 }
 
@@ -104,9 +103,9 @@ std::size_t foot_of(const std::vector<double>& counts, std::size_t peak, bool up
 bool begins_at_background(const Bins& bins) {
   constexpr std::size_t few = 16;
   if (bins.size() == 2) return true;
-  return bins.size() <= few && bins[0].low == 0 &&
-         std::all_of(bins.begin(), bins.end(),
-                     [&](const ValueBin& bin) { return bin.low == bin.high && bin.count <= bins[0].count; });
+  return bins.size() <= few && bins[0].low == 0 && std::ranges::all_of(bins, [&](const ValueBin& bin) {
+           return bin.low == bin.high && bin.count <= bins[0].count;
+         });
 }
 
 /// The middle of the shortest stretch of values that half of the voxels have. The lowest value counts no more

@@ -68,8 +68,7 @@ class HelpFormatter : public CLI::Formatter {
   /// name.
   std::string everyday_groups(const CLI::App& app) const {
     const auto is_everyday = [&](const CLI::Option& option) {
-      return std::any_of(everyday_.begin(), everyday_.end(),
-                         [&](const std::string& name) { return option.check_name(name); });
+      return std::ranges::any_of(everyday_, [&](const std::string& name) { return option.check_name(name); });
     };
     std::string text;
     std::vector<std::string> others;
@@ -147,8 +146,7 @@ std::vector<std::string> names_of(const std::vector<Which>& all, const OptionLis
 }
 
 bool is_among(const Option& option, const std::vector<Which>& all) {
-  return std::any_of(all.begin(), all.end(),
-                     [&](const Which& which) { return !which.value && means(which, option); });
+  return std::ranges::any_of(all, [&](const Which& which) { return !which.value && means(which, option); });
 }
 
 void append(std::vector<std::string>& all, const std::vector<std::string>& more) {
@@ -184,8 +182,7 @@ std::string options_of(const OptionList& list) {
   std::vector<std::string> headings;
   for (const Option& option : list) {
     if (option.is_positional()) text += paragraph_of(option, list);
-    if (!option.is_positional() &&
-        std::find(headings.begin(), headings.end(), option.heading) == headings.end())
+    if (!option.is_positional() && std::ranges::find(headings, option.heading) == headings.end())
       headings.push_back(option.heading);
   }
   for (const std::string& heading : headings) {

@@ -80,8 +80,7 @@ void settle_roles(DatasetMeaning& meaning, const std::string& where, const char*
   auto& last = axes.back();
   const bool components = last.size >= 2 && last.size <= 4;
   if (spare(axes) && !last.known && components && count(axes, Role::channel) == 0) last.role = Role::channel;
-  const auto first =
-      std::find_if(axes.begin(), axes.end(), [](const auto& axis) { return axis.role == Role::space; });
+  const auto first = std::ranges::find_if(axes, [](const auto& axis) { return axis.role == Role::space; });
   if (spare(axes) && !first->known && count(axes, Role::frame) == 0) first->role = Role::frame;
   if (spare(axes) || count(axes, Role::frame) > 1 || count(axes, Role::channel) > 1)
     refuse(where, hint, "which of its dimensions, {}, are z, y and x cannot be told", sizes_of(axes));

@@ -162,8 +162,7 @@ class MeshRouter {
   }
 
   OutLink& out_link(Direction direction) {
-    return *std::find_if(out_.begin(), out_.end(),
-                         [&](const OutLink& out) { return out.link.direction == direction; });
+    return *std::ranges::find_if(out_, [&](const OutLink& out) { return out.link.direction == direction; });
   }
 
   void forward(Message message, std::optional<Hop> came_by) {
@@ -316,8 +315,7 @@ class MeshTransport final : public TransportDecorator {
   }
 
   void report(std::int64_t frame, int rank, std::vector<LinkCounts> counts) {
-    const auto asked = std::find_if(collected_.begin(), collected_.end(),
-                                    [&](const Collected& c) { return c.frame == frame; });
+    const auto asked = std::ranges::find_if(collected_, [&](const Collected& c) { return c.frame == frame; });
     if (asked == collected_.end() || !asked->counts.emplace(rank, std::move(counts)).second)
       refuse({Role::host, rank}, frame);
     while (!collected_.empty() && int(collected_.front().counts.size()) == mesh_.ranks()) {

@@ -56,9 +56,7 @@ Reader values(std::vector<std::string>& target) {
   return {"TEXT", [&target](const Words& words, const std::string&) { target = words; }, 1, true};
 }
 
-bool Option::has_name(std::string_view name) const {
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
+bool Option::has_name(std::string_view name) const { return std::ranges::find(names, name) != names.end(); }
 
 void OptionList::Below::operator+=(std::initializer_list<OptionRow> rows) {
   for (const OptionRow& row : rows) {

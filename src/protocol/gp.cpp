@@ -75,8 +75,7 @@ struct GpFrame {
     return next == shown.end() ? std::nullopt : std::optional(*next);
   }
   PreparedSlice* find_slice(int step) {
-    const auto found = std::find_if(prepared.begin(), prepared.end(),
-                                    [&](const PreparedSlice& s) { return s.step == step; });
+    const auto found = std::ranges::find_if(prepared, [&](const PreparedSlice& s) { return s.step == step; });
     return found == prepared.end() ? nullptr : &*found;
   }
   bool done() const { return steps_done == steps.size() && left_behind.empty(); }
@@ -263,8 +262,8 @@ class Gp final : public Node {
   /// Encodes a piece of the next slice; idle when there is none, or no room for it.
   Turn encode_some() {
     // The earliest frame with slices left: a later frame's slices never take the room an earlier one needs.
-    const auto found = std::find_if(frames_.begin(), frames_.end(),
-                                    [](const auto& f) { return f->next_step < f->steps.size(); });
+    const auto found =
+        std::ranges::find_if(frames_, [](const auto& f) { return f->next_step < f->steps.size(); });
     if (found == frames_.end()) return {};
     Frame& frame = **found;
     Encoder& encoder = *frame.encoder;
@@ -315,8 +314,8 @@ class Gp final : public Node {
   Turn waiting() const {
     if (frames_.empty() || frames_.front()->prepared.empty()) return {};
     const Frame& frame = *frames_.front();
-    const auto sent = std::find_if(frame.prepared.begin(), frame.prepared.end(),
-                                   [](const PreparedSlice& s) { return !s.awaiting_accept.empty(); });
+    const auto sent = std::ranges::find_if(frame.prepared,
+                                           [](const auto& slice) { return !slice.awaiting_accept.empty(); });
     if (sent != frame.prepared.end()) return {Activity::send, frame.number, sent->step};
     return {Activity::wait_for_token, frame.number, frame.prepared.front().step};
   }

@@ -62,9 +62,7 @@ class Row {
 
   /// A parent stands before its children and before the flows that bind to it.
   void append_to(std::string& text) {
-    std::stable_sort(lines_.begin(), lines_.end(), [](const Line& a, const Line& b) {
-      return std::pair(a.time, -a.duration) < std::pair(b.time, -b.duration);
-    });
+    std::ranges::stable_sort(lines_, {}, [](const Line& l) { return std::pair(l.time, -l.duration); });
     for (const auto& line : lines_) text.append(",\n").append(line.event);
   }
 

@@ -62,8 +62,7 @@ class Requests {
   void add(ClientId client, const FileMessage& asked, std::vector<VolumeFrame> best) {
     const std::lock_guard lock(mutex_);
     File file{{client}, asked, std::move(best), asked.movie ? movie_for(client, asked) : nullptr};
-    const auto waiting =
-        std::count_if(files_.begin(), files_.end(), [&](const File& f) { return f.client == client; });
+    const auto waiting = std::ranges::count_if(files_, [&](const File& f) { return f.client == client; });
     if (waiting >= most_waiting)
       throw InputError(fmt::format("{} pictures are waiting already", most_waiting), "try again later");
     if (!ended_) files_.push_back(std::move(file));

@@ -48,8 +48,7 @@ std::map<int, SliceStore> empty_slices(const Grid& grid, const Sharing& sharing)
 }
 
 bool contains(const std::vector<int>& all, const std::vector<int>& some) {
-  return std::all_of(some.begin(), some.end(),
-                     [&](int one) { return std::find(all.begin(), all.end(), one) != all.end(); });
+  return std::ranges::all_of(some, [&](int one) { return std::ranges::find(all, one) != all.end(); });
 }
 
 bool covers(const LoadOptions& made, const LoadOptions& needed) {

@@ -44,8 +44,7 @@ KeptBlocks::OfFrame KeptBlocks::begin_frame(const SheetFrame& frame, const Value
         int(std::min({std::uint64_t(geometry.slices), limit_ / plane, std::uint64_t(no_plane)}));
     if (planes == 0) return {{.live = live()}, nullptr};
     free_for(std::uint64_t(planes) * plane);
-    shelf =
-        std::find_if(shelves_.begin(), shelves_.end(), [](const Shelf& s) { return s.blocks == nullptr; });
+    shelf = std::ranges::find_if(shelves_, [](const Shelf& s) { return s.blocks == nullptr; });
     const int blocks = CellRanges::blocks_along(width) * CellRanges::blocks_along(height);
     *shelf = {sort, std::uint64_t(planes) * plane, frame.number, std::uint16_t(shelf->generation + 1),
               std::make_shared<KeptShelf>(geometry.slices, blocks, renderers_, planes, gp_, gps_)};

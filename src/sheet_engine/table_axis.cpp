@@ -65,8 +65,7 @@ TableAxis::TableAxis(const TransferFunction& tf, double low, double high) {
     features.clear();
     ramps[0] = over_changes(tf, low, high);
   }
-  std::sort(features.begin(), features.end(),
-            [](const Feature& a, const Feature& b) { return a.slope > b.slope; });
+  std::ranges::sort(features, [](const Feature& a, const Feature& b) { return a.slope > b.slope; });
   if (!features.empty()) ramps[0].rise *= 0.5;
   for (const Feature& feature : features)
     for (const auto& [around, share] : rings) {

@@ -34,8 +34,7 @@ TransparentValues::TransparentValues(const TransferFunction& tf) {
   // Keeps the widest gaps.
   while (std::count_if(intervals_.begin(), intervals_.end(), is_gap) > most_gaps) {
     const auto width = [](const Interval& i) { return is_gap(i) ? i.high - i.low : infinity; };
-    intervals_.erase(std::min_element(intervals_.begin(), intervals_.end(),
-                                      [&](const auto& a, const auto& b) { return width(a) < width(b); }));
+    intervals_.erase(std::ranges::min_element(intervals_, {}, width));
   }
 }
 

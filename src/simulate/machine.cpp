@@ -128,8 +128,7 @@ Machine parse_machine(const std::string& toml, const std::string& where) {
               "is '" + text + "', none of " + fmt::to_string(fmt::join(names, ", ")));
       machine.platform.kind = PlatformKind(kind - names.begin());
     } else {
-      const auto field =
-          std::find_if(fields.begin(), fields.end(), [&](const Field& f) { return key == f.key; });
+      const auto field = std::ranges::find_if(fields, [&](const Field& f) { return key == f.key; });
       require(key, field != fields.end(), "is no field of a machine");
       const std::string problem = set_number(*field, text);
       require(key, problem.empty(), problem);

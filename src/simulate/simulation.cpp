@@ -191,8 +191,7 @@ class ChargedEngine final : public EngineDecorator {
   static bool of_sheets(const Announcement& a) { return method_of(a.body) == Sheets::name; }
   static bool has_work(int gp, const FramePlan& plan) {
     for (const FramePlan::Tile& tile : plan.tiles)
-      if (tile.renderer != FramePlan::nobody)
-        return std::find(plan.owners.begin(), plan.owners.end(), gp) != plan.owners.end();
+      if (tile.renderer != FramePlan::nobody) return std::ranges::find(plan.owners, gp) != plan.owners.end();
     return false;
   }
 

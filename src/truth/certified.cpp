@@ -162,8 +162,7 @@ class Certifier : Tracer {
     if (extra > 0) medium.value[0] += within(extra);
     if (!scene_.shaded()) return medium;
     const Corners<glm::dvec3> normals = cell_normals(gradients_, passage.cell);
-    const bool level =
-        std::all_of(normals.begin(), normals.end(), [](const glm::dvec3& n) { return n == glm::dvec3(0.0); });
+    const bool level = std::ranges::all_of(normals, [](const glm::dvec3& n) { return n == glm::dvec3(0.0); });
     if (level && passage.beside == 0) return medium;
     std::array<Polynomial, 3> normal;
     for (int k = 0; k < 3; ++k) {

@@ -58,8 +58,7 @@ Bins refined(const Bins& keys, const Bins& equal) {
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   const auto by_keys = counted_below(keys, edges), by_equal = counted_below(equal, edges);
   const auto is_edge = [](const Bins& bins, double edge) {
-    const auto at = std::lower_bound(bins.begin(), bins.end(), edge,
-                                     [](const ValueBin& b, double v) { return b.low < v; });
+    const auto at = std::ranges::lower_bound(bins, edge, {}, &ValueBin::low);
     return (at != bins.end() && at->low == edge) || (at != bins.begin() && (at - 1)->high == edge);
   };
   Bins bins;
@@ -152,8 +151,7 @@ void count_neighbours(ValueStatistics& s, const Pass& pass, Merging& merging) {
 /// A mask, or few values of which 0 is the most frequent.
 bool few_about_zero(const ValueStatistics& s) {
   if (s.labels.front() != 0 || s.labels.size() > few_labels) return false;
-  const auto most = std::max_element(s.bins.begin(), s.bins.end(),
-                                     [](const ValueBin& a, const ValueBin& b) { return a.count < b.count; });
+  const auto most = std::ranges::max_element(s.bins, {}, &ValueBin::count);
   return s.labels.size() == 2 || most->low <= 0;
 }
 

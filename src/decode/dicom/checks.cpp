@@ -137,9 +137,7 @@ constexpr ScalarType whole_types[] = {ScalarType::uint8, ScalarType::int8,   Sca
                                       ScalarType::int16, ScalarType::uint32, ScalarType::int32};
 
 /// Place among whole_types; behind them for others.
-int rank_of(ScalarType type) {
-  return int(std::find(std::begin(whole_types), std::end(whole_types), type) - std::begin(whole_types));
-}
+int rank_of(ScalarType type) { return int(std::ranges::find(whole_types, type) - std::begin(whole_types)); }
 
 /// The narrowest of them for all that the bits stored can be, unsigned unless that may be negative; float64
 /// where there is none.

@@ -98,8 +98,7 @@ class Parser {
       e.length = fields.at<std::uint32_t>(4);
     } else {
       e.vr = {char(header[4]), char(header[5])};
-      if (!std::all_of(e.vr.begin(), e.vr.end(), [](unsigned char c) { return std::isupper(c) != 0; }))
-        fail(at + 4);
+      if (!std::ranges::all_of(e.vr, [](unsigned char c) { return std::isupper(c) != 0; })) fail(at + 4);
       e.length = fields.at<std::uint16_t>(6);
       constexpr std::string_view long_vrs = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
       if (long_vrs.find(e.vr) != std::string_view::npos) {

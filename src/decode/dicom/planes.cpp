@@ -67,14 +67,13 @@ std::vector<Images> images_by_place(const std::vector<DicomPlane>& planes, const
     places.back().push_back(image);
   }
   for (auto& images : places)
-    std::stable_sort(images.begin(), images.end(),
-                     [&](auto a, auto b) { return planes[a].times < planes[b].times; });
+    std::ranges::stable_sort(images, [&](auto a, auto b) { return planes[a].times < planes[b].times; });
   return places;
 }
 
 void require_even_counts(const std::vector<Images>& places, const DicomPlacing& placing) {
-  const auto [least, most] = std::minmax_element(
-      places.begin(), places.end(), [](const Images& a, const Images& b) { return a.size() < b.size(); });
+  const auto [least, most] =
+      std::ranges::minmax_element(places, {}, [](const Images& images) { return images.size(); });
   if (places.size() == 1 && most->size() > 1)
     refuse(placing.where, "the folder may hold several series: give one file of the right one",
            "the {} slices have no different positions (Image Position Patient)", most->size());

@@ -194,9 +194,7 @@ const DicomSeries& choose_series(const std::vector<DicomSeries>& series, const s
                     matches.empty() ? "no" : std::to_string(matches.size())),
         fmt::format("give a number, a description or an ending of a UID of these: {}", list_of(series)));
   }
-  const auto longest =
-      std::max_element(series.begin(), series.end(),
-                       [](const DicomSeries& a, const DicomSeries& b) { return a.slices() < b.slices(); });
+  const auto longest = std::ranges::max_element(series, {}, &DicomSeries::slices);
   if (series.size() > 1)
     log_warning_once("{} holds {} DICOM series, taken is the longest ({} slices); --series takes another: {}",
                      where, series.size(), longest->slices(), list_of(series));

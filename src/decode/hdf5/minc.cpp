@@ -134,8 +134,7 @@ void describe_minc(hid_t file, hid_t dataset, const std::string& path, const std
     origin += directions[k] * axes[k].first;
   }
   const auto lattice = lattice_axes(axes);
-  if (std::count(lattice.begin(), lattice.end(), -1) > 0)
-    refuse(where, hint, "it has no three dimensions of space");
+  if (std::ranges::count(lattice, -1) > 0) refuse(where, hint, "it has no three dimensions of space");
   meaning.origin = origin;
   meaning.direction.emplace();
   for (int k = 0; k < 3; ++k) {

@@ -239,8 +239,7 @@ std::uint64_t bytes_of(const TiffPage& page, const ImageShape& shape, const Imag
 /// Adds the pages that are slices. Smaller copies and masks are none, unless the file has nothing else.
 void add_pages(const TiffPages& chain, TiffFile& file) {
   const auto image = open_tiff_image(file.path);
-  const bool none_else =
-      std::all_of(chain.pages.begin(), chain.pages.end(), [](const TiffPage& page) { return page.beside; });
+  const bool none_else = std::ranges::all_of(chain.pages, [](const TiffPage& page) { return page.beside; });
   std::uint64_t bytes = 0;
   bool compressed = is_png(file.path);
   std::size_t index = 0;

@@ -65,8 +65,7 @@ class MetaReader {
     header.path = file_.path();
     header.end = end_;
     header.data_file = required("ElementDataFile");
-    if (std::any_of(header.data_file.begin(), header.data_file.end(),
-                    [](unsigned char c) { return std::iscntrl(c); }))
+    if (std::ranges::any_of(header.data_file, [](unsigned char c) { return std::iscntrl(c); }))
       refuse(file_.path(), "correct the header", "ElementDataFile '{}' has control characters",
              excerpt(header.data_file));
     if (const auto type = value("ObjectType"); type && *type != "Image")

@@ -96,9 +96,8 @@ void place(const NrrdHeader& header, const std::vector<const NrrdAxis*>& axes, G
     grid.direction[2] = glm::normalize(glm::cross(grid.direction[0], grid.direction[1]));
   for (int k = 0; k < std::min<int>(int(header.origin.size()), 3); ++k)
     grid.origin[k] = header.origin[std::size_t(k)] * header.to_lps[k];
-  const bool placed = header.space_axes == 0 && std::all_of(axes.begin(), axes.end(), [](const auto* axis) {
-                        return has_origin(*axis);
-                      });
+  const bool placed =
+      header.space_axes == 0 && std::ranges::all_of(axes, [](const auto* axis) { return has_origin(*axis); });
   for (int i = 0; placed && i < int(axes.size()); ++i) grid.origin[i] = first_centre(*axes[std::size_t(i)]);
 }
 
