@@ -91,6 +91,8 @@ Command settle_render(const OptionList& list, AllOptions& all) {
 
 void add_serve(OptionList& list, AllOptions& all) {
   RenderOptions& o = all.serve.picture;
+  // Less waiting for tokens, also of splats; no picture changes (docs/performance.md).
+  o.run.protocol.look_ahead = o.run.protocol.send_ahead = 4;
   add_volume(list, o, true);
   add_server_options(list, all.serve);
   add_camera_options(list, o);
@@ -105,6 +107,7 @@ Command settle_serve(const OptionList& list, AllOptions& all) {
   settle_picture(list, o);
   o.frame.shown.camera.fit = Fit::sphere;  // turning changes no sizes
   static_cast<void>(serve::frame_ancestors(all.serve.allowed_frames));
+  if (o.run.topology == Topology::mesh && !list.is_given("--send-ahead")) o.run.protocol.send_ahead = 0;
   settle_protocol(list, o);
   return all.serve;
 }

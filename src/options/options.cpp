@@ -116,10 +116,12 @@ void add_protocol_options(OptionList& list, RunOptions& o) {
       {"--link-slots", nullptr, initial, "Messages of one buffer class that may be behind a mesh's link",
        value(o.protocol.link_slots)},
       {"--look-ahead", nullptr, nullptr,
-       "Slices, or bundles of them, that a GP prepares before their tokens have passed; without it 4 or 1",
+       "Slices, or bundles of them, that a GP prepares before their tokens have passed; without it 4, but 1 "
+       "of render with splats or a described machine",
        value(o.protocol.look_ahead)},
       {"--send-ahead", nullptr, nullptr,
-       "Payloads that a token leaves behind before it waits until one is accepted; without it 16 or 0",
+       "Payloads that a token leaves behind before it waits until one is accepted; without it 16, but with "
+       "splats or a described machine 0 of render, 4 of serve",
        value(o.protocol.send_ahead)},
       {"--keep", "MIB", nullptr,
        "Sheets: MiB of slices that a Renderer keeps, so that later frames need not send them again; without "
