@@ -192,33 +192,27 @@ Regions strips(int renderers, int width, int height) {
   return {width, height, region_width, region_height};
 }
 
-/// Strips of one row of pixel groups: neighbouring rows cost nearly the same, so Renderers that take them in
-/// turn have even loads. Where Renderers are many, strips are cut so that each still gets several.
-Regions low_strips(int renderers, const PixelWindow& reached, int width, int height) {
-  constexpr int each = 4, region_height = 16, least_columns = 64;
-  const std::int64_t rows = std::max<std::int64_t>((reached.y1 - reached.y0) / region_height, 1);
-  const int columns = int(std::max<std::int64_t>((std::int64_t{each} * renderers + rows - 1) / rows, 1));
-  if (rows >= std::int64_t{each} * renderers || columns == 1) return {width, height, width, region_height};
-  const int reached_width = int(std::max<std::int64_t>(reached.x1 - reached.x0, 1));
-  return {width, height, std::min(width, std::max(round_up(reached_width / columns, 16), least_columns)),
-          region_height};
-}
-
-/// Pieces of strips, so many for each Renderer that neighbouring ones can be dealt evenly.
-Regions pieces(int renderers, const PixelWindow& reached, int width, int height) {
-  constexpr std::int64_t each = 16, side = 16;
-  const std::int64_t rows = std::max<std::int64_t>((reached.y1 - reached.y0) / side, 1),
-                     columns = (each * renderers + rows - 1) / rows;
-  const auto region_width = int(std::clamp<std::int64_t>((reached.x1 - reached.x0) / columns, 1, width));
-  return {width, height, std::min(width, round_up(region_width, side)), side};
-}
-
 /// Whether each Renderer of sheets gets one part of the image plane. Where blocks are smaller than strips,
 /// far strips would take most of them to several Renderers, and others each time a view turns; a few
 /// Renderers need nearly all in any case.
 bool in_parts(const FrameGeometry& g, int renderers) {
   constexpr int few = 4, strip = 16;
   return renderers > few && CellRanges::side * std::max(g.reach.x, g.reach.y) < strip;
+}
+
+/// Strips of one row of pixel groups: neighbouring rows cost nearly the same, so Renderers that take them in
+/// turn have even loads. Where Renderers are many, strips are cut so that each still gets several, and small
+/// enough to be dealt evenly where those of a part lie side by side.
+Regions low_strips(const FrameGeometry& g, int renderers, const PixelWindow& reached) {
+  constexpr int region_height = 16;
+  const std::int64_t each = g.in_parts ? 16 : 4;
+  const int least_columns = g.in_parts ? 16 : 64;
+  const std::int64_t rows = std::max<std::int64_t>((reached.y1 - reached.y0) / region_height, 1);
+  const int columns = int(std::max<std::int64_t>((each * renderers + rows - 1) / rows, 1));
+  if (rows >= each * renderers || columns == 1) return {g.width, g.height, g.width, region_height};
+  const int reached_width = int(std::max<std::int64_t>(reached.x1 - reached.x0, 1));
+  return {g.width, g.height,
+          std::min(g.width, std::max(round_up(reached_width / columns, 16), least_columns)), region_height};
 }
 
 }  // namespace
@@ -235,11 +229,9 @@ void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
   g.in_parts = std::holds_alternative<Sheets>(spec.how) && in_parts(g, renderers);
   if (division.region_size > 0)
     g.regions = {g.width, g.height, division.region_size};
-  else if (g.in_parts)
-    g.regions = pieces(renderers, reached, g.width, g.height);
   else if (std::holds_alternative<Sheets>(spec.how))
     // Low strips share out evenly what costs by the pixel. Squares suit splats, which regions cut.
-    g.regions = low_strips(renderers, reached, g.width, g.height);
+    g.regions = low_strips(g, renderers, reached);
   else if (!g.warp)
     g.regions = {g.width, g.height, usual_side};
   else

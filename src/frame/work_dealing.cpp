@@ -27,17 +27,16 @@ struct Costly {
 
 double seconds_of(std::uint64_t layers, double payload) { return payload * std::popcount(layers); }
 
-/// Regions that voxels can reach, costliest first. `payload`: seconds for the payloads of a layer.
-std::vector<Costly> by_cost(const Deal& deal, const WorkEstimate& work, double payload) {
+/// Regions that voxels can reach, row by row. `payload`: seconds for the payloads of a layer.
+std::vector<Costly> reached_work(const Regions& regions, const PixelRect& reached, const WorkEstimate& work,
+                                 double payload) {
   std::vector<Costly> all;
-  for (int y = deal.reached.y0; y < deal.reached.y1; ++y)
-    for (int x = deal.reached.x0; x < deal.reached.x1; ++x) {
-      const int region = y * deal.regions.columns() + x;
-      const PartWork part = work.of(deal.regions.rect(region));
+  for (int y = reached.y0; y < reached.y1; ++y)
+    for (int x = reached.x0; x < reached.x1; ++x) {
+      const int region = y * regions.columns() + x;
+      const PartWork part = work.of(regions.rect(region));
       all.push_back({region, part, part.seconds + seconds_of(part.layers, payload)});
     }
-  std::stable_sort(all.begin(), all.end(),
-                   [](const Costly& a, const Costly& b) { return a.seconds > b.seconds; });
   return all;
 }
 
@@ -76,18 +75,14 @@ void deal_out(Deal& deal, const std::vector<Costly>& costly, const WorkEstimate&
 /// has kept stay useful while a view turns.
 std::vector<int> side_by_side(const FrameGeometry& g, const WorkEstimate& work, double payload,
                               const std::vector<double>& busy) {
+  const std::vector<Costly> reached = reached_work(g.regions, g.reached, work, payload);
   std::vector<RegionWork> regions;
-  std::vector<std::uint64_t> layers;
   double all = 0;
-  for (int y = g.reached.y0; y < g.reached.y1; ++y)
-    for (int x = g.reached.x0; x < g.reached.x1; ++x) {
-      const int region = y * g.regions.columns() + x;
-      const PartWork part = work.of(g.regions.rect(region));
-      // Where hardly anything is known of, all regions count alike.
-      regions.push_back({region, work.telling() ? part.inside : 1});
-      layers.push_back(part.layers);
-      all += regions.back().seconds;
-    }
+  for (const Costly& one : reached) {
+    // Where hardly anything is known of, all regions count alike.
+    regions.push_back({one.region, work.telling() ? one.work.inside : 1});
+    all += regions.back().seconds;
+  }
   std::vector<int> owner;
   std::vector<double> spent = busy;
   // How many payloads one gets follows from what it is dealt.
@@ -97,8 +92,7 @@ std::vector<int> side_by_side(const FrameGeometry& g, const WorkEstimate& work, 
     for (const double one : spent) room.push_back(std::max(0.0, even - one));
     owner = bisect(g.regions, regions, room);
     std::vector<std::uint64_t> seen(busy.size(), 0);
-    for (std::size_t k = 0; k < regions.size(); ++k)
-      seen[std::size_t(owner[std::size_t(regions[k].region)])] |= layers[k];
+    for (const Costly& one : reached) seen[std::size_t(owner[std::size_t(one.region)])] |= one.work.layers;
     for (std::size_t k = 0; k < busy.size(); ++k) spent[k] = busy[k] + seconds_of(seen[k], payload);
   }
   return owner;
@@ -130,8 +124,9 @@ std::optional<Deal> costliest_first(const FrameGeometry& g, const WorkEstimate& 
   std::optional<Deal> best;
   for (const Regions& regions : ways_to_cut(g, spec, busy.size())) {
     Deal deal{regions, reached_regions(g, regions), {}};
-    const auto costly = by_cost(deal, work, payload);
+    auto costly = reached_work(deal.regions, deal.reached, work, payload);
     if (costly.empty()) return std::nullopt;
+    std::ranges::stable_sort(costly, std::ranges::greater{}, &Costly::seconds);
     if (best && costly.front().seconds >= worth_smaller * best->longest) continue;
     deal_out(deal, costly, work, payload, busy);
     if (!best || deal.longest < worth_smaller * best->longest) best = std::move(deal);

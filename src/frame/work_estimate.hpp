@@ -121,12 +121,12 @@ double copies_of_blocks(const FrameGeometry& geometry, double side);
 /// What work costs in a frame with such regions: a GP copies a block for all Renderers that see some of it.
 WorkCosts costs_in(const FrameGeometry& geometry, WorkCosts costs);
 
-/// Deals a frame's regions such that Renderers have about the same work: of sheets neighbouring ones to each
-/// (frame/bisection.hpp), of splats the costliest first, each to the Renderer with the least so far (Graham
-/// 1969, longest processing time first), trying several sizes where none is asked for: smaller ones are dealt
-/// more evenly, larger ones cut less. Where the estimate says little, sheets' count alike, and splats' are
-/// left as they are. `busy`: by Renderer that gets regions, seconds that its rank is busy otherwise; empty:
-/// not at all. Every rank finds the same; no bit of the picture depends on it.
+/// Deals a frame's regions such that Renderers have about the same work. Parts get neighbouring regions
+/// (frame/bisection.hpp), all alike where the estimate says little. Other regions go the costliest first,
+/// each to the Renderer with the least so far (Graham 1969, longest processing time first), of several sizes
+/// where none is asked for: smaller ones are dealt more evenly, larger ones cut less; they are left as they
+/// are where the estimate says little. `busy`: by Renderer that gets regions, seconds that its rank is busy
+/// otherwise; empty: not at all. Every rank finds the same; no bit of the picture depends on it.
 void deal_by_work(FrameGeometry& geometry, const WorkEstimate& work, const WorkCosts& costs,
                   const FrameSpec& spec, int renderers, const std::vector<double>& busy);
 
