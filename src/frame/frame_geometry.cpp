@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <variant>
 
 #include "ringsplat/base/error.hpp"
@@ -48,6 +49,17 @@ ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
   return view;
 }
 
+/// `first`: that grid's first voxel in the lattice of the whole volume, whose voxels are `factor` times as
+/// small.
+LatticePlane plane_in_lattice(const ClipPlane& plane, const Grid& whole, const glm::dvec3& first,
+                              double factor) {
+  const glm::dvec3 normal = glm::normalize(plane.normal), middle = 0.5 * glm::dvec3(whole.dims - 1);
+  glm::dvec3 along;
+  for (int k = 0; k < 3; ++k) along[k] = glm::dot(normal, whole.direction[k]) * whole.spacing[k];
+  const double length = factor * glm::length(along);
+  return {factor * along / length, (glm::dot(along, first - middle) - plane.distance) / length};
+}
+
 void lay_into_slices(FrameGeometry& g, const Shown& shown, double samples, double reach_in_voxels,
                      double least = 0) {
   const SlicePlane plane = make_slice_plane(g.view, g.traversal.axis, g.grid.dims, samples, reach_in_voxels,
@@ -79,6 +91,11 @@ FrameGeometry screen_geometry(const Shown& shown, const Grid& grid, SliceRule ru
     g.view = moved_view(g.view, g.box.first);
     g.grid = clipped_grid(g.grid, g.box);
   }
+  const double factor = shown.reduction.factor,
+               first_middle = shown.reduction.prefilter ? 0.5 * (factor - 1) : 0.0;
+  for (const ClipPlane& plane : shown.clip_planes)
+    g.clip_planes.push_back(
+        plane_in_lattice(plane, grid, factor * glm::dvec3(g.box.first) + first_middle, factor));
   g.width = shown.width;
   g.height = shown.height;
   g.slices = g.grid.slices(g.traversal.axis);

@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <glm/geometric.hpp>
 #include <optional>
 #include <vector>
 
@@ -11,11 +12,20 @@
 
 namespace ringsplat {
 
+/// A clip plane among voxels.
+struct LatticePlane {
+  glm::dvec3 normal;  ///< unit length
+  double offset;
+  /// How far before it a place is, in voxels: what is left is at least 0.
+  double before(const glm::dvec3& place) const { return glm::dot(normal, place) + offset; }
+};
+
 /// What follows from a FrameSpec and a volume's grid; the same on every rank.
 struct FrameGeometry {
   Grid grid;           ///< of what is rendered: reduced when undersampled, and the part in `box`
   VoxelBox box;        ///< that part of the (reduced) volume's slices
   ViewTransform view;  ///< from that grid's lattice to the image plane
+  std::vector<LatticePlane> clip_planes;  ///< in that lattice
   Traversal traversal;
   /// Reach of a voxel's footprint from its centre, in pixels of the image plane; of the nearest voxel in a
   /// perspective view, and infinite when a corner of the box is beside or behind the eye.

@@ -82,6 +82,8 @@ json to_json(const Shown& s) {
   if (s.mode == Mode::surface) j["isovalue"] = s.isovalue;
   if (s.values) j["values"] = true;
   if (s.clip) j["clip"] = to_json(*s.clip);
+  for (const ClipPlane& plane : s.clip_planes)
+    j["clip_planes"].push_back({plane.normal.x, plane.normal.y, plane.normal.z, plane.distance});
   return j;
 }
 
@@ -150,6 +152,20 @@ void check_mode(const Shown& shown, const Method& method) {
     throw InputError("--isovalue is not a finite number", "give a value of the volume");
 }
 
+void check_clip_planes(const Shown& shown, const Method& method) {
+  if (shown.clip_planes.size() > Shown::most_clip_planes)
+    throw InputError(fmt::format("{} clip planes are too many", shown.clip_planes.size()),
+                     fmt::format("give {} at most", Shown::most_clip_planes));
+  for (const ClipPlane& plane : shown.clip_planes) {
+    const double length = glm::length(plane.normal);
+    if (!(std::isfinite(length) && length > 0 && std::isfinite(plane.distance)))
+      throw InputError("a clip plane needs a direction of finite length above zero and a finite distance",
+                       "for instance --clip-plane 0,1,0,0");
+  }
+  if (!shown.clip_planes.empty() && std::holds_alternative<Splats>(method))
+    throw InputError("splats cannot be cut by a plane", "use --engine sheets, or leave --clip-plane out");
+}
+
 /// The first byte has the method's index among Method's alternatives, and above it the volume's number.
 constexpr std::size_t most_methods = 4;
 static_assert(std::variant_size_v<Method> <= most_methods);
@@ -198,6 +214,7 @@ void check(const FrameSpec& spec) {
   std::visit([](const auto& how) { check(how); }, spec.how);
   check_projection(spec.shown.camera, spec.how);
   check_mode(spec.shown, spec.how);
+  check_clip_planes(spec.shown, spec.how);
 }
 
 Bytes encode(const FrameSpec& spec, std::size_t volume) {

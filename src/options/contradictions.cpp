@@ -95,7 +95,8 @@ const Rule all_rules[] = {
     {"--isovalue", needs, "--mode=surface", "add --mode surface"},
     {"--values", needs, "--mode --slice", "add --mode sum or another"},
     {"--slice", excludes,
-     "--clip --mode --view --azimuth --elevation --matrix --eye --target --projection --orbit --path",
+     "--clip --clip-plane --mode --view --azimuth --elevation --matrix --eye --target --projection --orbit "
+     "--path",
      "leave one out: a slice is seen from straight before it, and by itself"},
     {"--values", excludes,
      "--tf --range --colours --log --opacity --background --annotate --error --max-error",

@@ -354,7 +354,22 @@ std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string
   }
   throw InputError(
       fmt::format("{} '{}' names no slice", option, printable(text)),
-      fmt::format("give an axis and a voxel from 0, or a distance: {0} x=40, {0} z=12.5mm", option));
+      fmt::format("give an axis and a voxel from 0, a distance, or a plane: {0} x=40, {0} z=12.5mm, {0} "
+                  "plane:1,1,0,0",
+                  option));
+}
+
+std::vector<ClipPlane> parse_clip_planes(const std::string& text, const std::string& option) {
+  std::vector<ClipPlane> planes;
+  for (const auto part : split(text, ":")) {
+    const auto n = parse_numbers(part);
+    if (!n || n->size() != 4)
+      throw InputError(fmt::format("{} '{}' is no plane", option, printable(part)),
+                       "give NX,NY,NZ,D: a direction, and how far along it from the volume's middle the "
+                       "plane is; for instance 0,1,0,0");
+    planes.push_back({{(*n)[0], (*n)[1], (*n)[2]}, (*n)[3]});
+  }
+  return planes;
 }
 
 std::optional<VoxelBox> clip_box(const std::optional<ClipText>& clip, const Grid& grid) {

@@ -10,6 +10,7 @@
 
 #include "base/text.hpp"
 #include "classify/auto_preset.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/voxel_box.hpp"
 #include "volume/masked.hpp"
 
@@ -116,6 +117,9 @@ std::function<VoxelBox(const Grid&)> parse_crop(const std::string& text, const s
 
 /// One slice, "x=40" or "z=12.5mm", and the axis that it lies across. Throws InputError.
 std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string& option);
+
+/// Clip planes, "nx,ny,nz,d" each, with colons between. Throws InputError.
+std::vector<ClipPlane> parse_clip_planes(const std::string& text, const std::string& option);
 
 /// The voxels that are meant, where there is a text. Throws InputError that names the part that has none or
 /// leaves the volume.

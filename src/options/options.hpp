@@ -146,7 +146,8 @@ struct RenderOptions {
   /// follows from `clip` and the volume's grid. Its `how` follows from `method`.
   FrameSpec frame;
   std::optional<ClipText> clip;
-  std::optional<Axis> slice;  ///< one slice across it is shown, which `clip` tells
+  std::optional<Axis> slice;   ///< one slice across it is shown, which `clip` tells
+  bool oblique_slice = false;  ///< what lies in the frame's clip plane is shown
   MethodOptions method;
   std::string transfer_function = "auto", transfer_function_out;
   ColourOptions colour;

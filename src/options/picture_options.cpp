@@ -126,12 +126,22 @@ void add_clip_options(OptionList& list, RenderOptions& o) {
        "Only these voxels, as if the rest were cut off; from the first to before the last; an empty part or "
        "end means up to the face; with mm behind a part, or behind all, distances from the first face",
        parsed(o.clip, parse_clip)},
-      {"--slice", "AXIS=PLACE", nullptr,
-       "Show one slice, as x=40 or z=12.5mm, from straight before it: its values in grey or in --tf's "
-       "colours; with --values as numbers",
+      {"--clip-plane", "NX,NY,NZ,D[:...]", nullptr,
+       "What lies behind a plane, or one of two, is cut off: a world direction to what is left, and how far "
+       "along it the plane is from the volume's middle, in world lengths",
+       parsed(o.frame.shown.clip_planes, parse_clip_planes), Mark::of_sheets},
+      {"--slice", "AXIS=PLACE|plane:NX,NY,NZ,D", nullptr,
+       "Show one slice, as x=40, z=12.5mm or an oblique plane, from straight before it: its values in grey "
+       "or "
+       "in --tf's colours; with --values as numbers",
        text([&o](const std::string& slice, const std::string& option) {
-         std::tie(o.clip, o.slice) = parse_slice(slice, option);
+         constexpr std::string_view plane = "plane:";
          o.colour.mode = Mode::mip;
+         o.oblique_slice = slice.starts_with(plane);
+         if (o.oblique_slice)
+           o.frame.shown.clip_planes = parse_clip_planes(slice.substr(plane.size()), option);
+         else
+           std::tie(o.clip, o.slice) = parse_slice(slice, option);
        })},
   };
 }
@@ -317,12 +327,29 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
   };
 }
 
+namespace {
+
+/// Leaves of the volume what is as near to the plane as positions along rays are exact.
+void leave_slice(std::vector<ClipPlane>& planes, const Grid& grid) {
+  if (planes.size() != 1) throw InputError("--slice shows one plane", "give one, or cut by --clip-plane");
+  const double voxels = std::max(1e-3, 2e-6 * std::max({grid.dims.x, grid.dims.y, grid.dims.z})),
+               half = voxels * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  const auto [normal, distance] = planes.front();
+  planes = {{normal, distance - half}, {-normal, -distance - half}};
+}
+
+}  // namespace
+
 std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes) {
   Camera& camera = o.frame.shown.camera;
   if (o.side) stand_at(camera, *o.side, notes.world);
   const bool patient = notes.world == World::patient;
-  if (o.slice) {
-    const Camera facing = facing_slices(lattice_frame(grid), *o.slice, patient);
+  if (o.slice || o.oblique_slice) {
+    const auto& planes = o.frame.shown.clip_planes;
+    const LatticeFrame lattice = lattice_frame(grid);
+    const Camera facing = o.slice ? facing_slices(lattice, *o.slice, patient)
+                                  : facing_plane(lattice, planes.front().normal, planes.front().distance);
+    if (o.oblique_slice) leave_slice(o.frame.shown.clip_planes, grid);
     camera.target = facing.target;
     camera.eye = facing.eye;
     camera.up = facing.up;

@@ -106,6 +106,12 @@ VoxelBox box_from(const json& j, const glm::ivec3& dims) {
   return box;
 }
 
+ClipPlane plane_from(const json& j) {
+  list_from(j, "a clip plane", 4, 4);
+  return {vector_from({j[0], j[1], j[2]}, "a clip plane's direction", -1e6, 1e6),
+          number_from(j[3], "a clip plane's distance", -any, any)};
+}
+
 ChannelState channel_from(const json& j) {
   const json& window = list_from(member(j, "window"), "a channel's window", 2, 2);
   const double low = number_from(window[0], "a channel's window", -any, any);
@@ -136,6 +142,7 @@ void show_slice(Shown& shown, const json& j, const MessageRules& rules) {
   const auto axis = static_cast<int>(number_from(j[0], "the slice's axis", 0, 2));
   const auto index = static_cast<int>(number_from(j[1], "the slice", 0, rules.grid.dims[axis] - 1));
   shown.clip = slice_box(rules.grid, axis, index);
+  shown.clip_planes.clear();
   shown.camera = facing_slices(lattice_frame(rules.grid), Axis(axis), rules.patient);
   shown.shading = Shading::none;
   const bool labels = shown.interpolation == Interpolation::nearest;
@@ -218,12 +225,14 @@ json to_json(const TransferFunction& tf) {
 
 json to_json(const SceneState& s) {
   const Camera& c = s.shown.camera;
-  json clip, channels = json::array();
+  json clip, planes = json::array(), channels = json::array();
   for (const auto& [visible, colour, window] : s.channels)
     channels.push_back(
         {{"visible", visible}, {"colour", {colour.x, colour.y, colour.z}}, {"window", {window.x, window.y}}});
   if (s.shown.clip)
     for (int k = 0; k < 3; ++k) clip.push_back({s.shown.clip->first[k], s.shown.clip->end[k]});
+  for (const auto& [normal, distance] : s.shown.clip_planes)
+    planes.push_back({normal.x, normal.y, normal.z, distance});
   return {{"frame", s.frame},
           {"camera",
            {{"azimuth", c.azimuth},
@@ -239,6 +248,7 @@ json to_json(const SceneState& s) {
           {"shading", s.shown.shading == Shading::phong ? "phong" : "none"},
           {"light", {s.shown.light.x, s.shown.light.y, s.shown.light.z}},
           {"clip", clip},
+          {"clip_planes", planes},
           {"channels", channels},
           {"background", {s.background.x, s.background.y, s.background.z}}};
 }
@@ -277,6 +287,9 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
   shown.clip.reset();
   if (const json clip = state.value("clip", json()); !clip.is_null())
     shown.clip = box_from(clip, rules.grid.dims);
+  shown.clip_planes.clear();
+  for (const json& plane : list_from(member(state, "clip_planes"), "clip_planes", 0, Shown::most_clip_planes))
+    shown.clip_planes.push_back(plane_from(plane));
   scene.background = vector_from(member(state, "background"), "background", 0, 1);
   const std::size_t channels = scene.channels.size();
   const json& looks = list_from(member(state, "channels"), "channels", channels, channels);

@@ -159,6 +159,7 @@ class Probe {
     const glm::dvec3 seen = make_view(facing, lattice, 1, 1).project(at);
     shown.camera = camera_of_pixel(facing, lattice, 1, 1, seen.x, seen.y);
     shown.clip = slice_box(grid_, axis_, slice);
+    shown.clip_planes.clear();
     shown.interpolation = Interpolation::linear;
     shown.mode = Mode::mip;
     show_range();

@@ -162,8 +162,11 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
   HWY_INLINE M in_box(const State& s, int i) const {
     constexpr std::int32_t half = one_voxel / 2;
     const auto [u, v] = rays_.at(s.ray, i);
-    return both(both(greater(u, set_int(-half - 1)), greater(set_int(most_u() + half), u)),
+    M in = both(both(greater(u, set_int(-half - 1)), greater(set_int(most_u() + half), u)),
                 both(greater(v, set_int(-half - 1)), greater(set_int(most_v() + half), v)));
+    for (int k = 0; k < p_.clip_plane_count; ++k)
+      in = but_not(in, greater(set(0.0F), this->before(p_.clip_planes[std::size_t(k)], {u, v}, i)));
+    return in;
   }
 
   /// The opacity of as many of the table's slabs as there are from slice to slice.

@@ -98,6 +98,12 @@ struct GradientLight {
   float ambient = 0, diffuse = 0, specular = 0, exponent = 0;
 };
 
+/// A clip plane: what is left is at least 0 voxels before it, along · (u, v, k) + offset. u and v count from
+/// voxel 0, k from the middle slice.
+struct SheetPlane {
+  float along[3], offset;
+};
+
 /// What a frame's rays project when they composite nothing, in planes' numbers.
 struct Projection {
   Mode mode = Mode::composite;
@@ -131,6 +137,8 @@ struct SheetPaint {
   float opaque_threshold = 0;
   float face_pieces = 1;  ///< slabs of the table in half a slice
   Projection projection;
+  std::array<SheetPlane, Shown::most_clip_planes> clip_planes{};
+  int clip_plane_count = 0;
 };
 
 /// One group: its pixels in the image plane, of which `width` x `height` are wanted.

@@ -62,9 +62,10 @@ struct PixelRay {
     return place;
   }
 
-  /// How many slices it crosses in the box, which ends half a voxel beyond the outer ones.
-  double slices_in_box(const SheetRays& rays, int slices) const {
-    double enter = -0.5 * slices, leave = 0.5 * slices;
+  /// How many slices it crosses in the box, which ends half a voxel beyond the outer ones, and before clip
+  /// planes.
+  double slices_in_box(const SheetRays& rays, const FrameGeometry& g) const {
+    double enter = -0.5 * g.slices, leave = 0.5 * g.slices;
     for (int i = 0; i < 2; ++i) {
       const double low = -0.5 - from[i], high = rays.voxels[i] - 0.5 - from[i];
       if (slope[i] == 0) {
@@ -74,6 +75,12 @@ struct PixelRay {
       const auto [a, b] = std::minmax({low / slope[i], high / slope[i]});
       enter = std::max(enter, a);
       leave = std::min(leave, b);
+    }
+    for (const LatticePlane& plane : g.clip_planes) {
+      const double middle = plane.before(at(0, g)), rise = plane.before(at(1, g)) - middle;
+      if (rise > 0) enter = std::max(enter, -middle / rise);
+      if (rise < 0) leave = std::min(leave, -middle / rise);
+      if (rise == 0 && middle < 0) return 0;
     }
     return std::max(leave - enter, 0.0);
   }
@@ -147,17 +154,17 @@ void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, c
   const double from = extremum ? seen_from(frame) : 0,
                of_number = extremum ? projection.sign / code.scale : 1;
   if (!image.touched() && (surface || at(from).a == 0)) return;
-  const int slices = frame.geometry.slices;
+  const FrameGeometry& g = frame.geometry;
   const double slice_length = frame.step_length() * frame.unit_length();
   float* row = image.pixels();
   for (int y = image.rect().y0; y < image.rect().y1; ++y, row += image.row_floats())
     for (int x = image.rect().x0; x < image.rect().x1; ++x) {
       float* const pixel = row + 4 * (x - image.rect().x0);
-      const PixelRay ray(rays, slices, x, y);
-      const double crossed = ray.slices_in_box(rays, slices);
+      const PixelRay ray(rays, g.slices, x, y);
+      const double crossed = ray.slices_in_box(rays, g);
       double value = from + of_number * pixel[0];
       if (projection.mode == Mode::mean) value /= crossed * slice_length * ray.step(rays);
-      if (surface) value = depth(frame.geometry, ray.at(pixel[0], frame.geometry));
+      if (surface) value = depth(g, ray.at(pixel[0], g));
       const bool there = surface ? pixel[3] > 0 : crossed > 0;
       const glm::vec4 colour = !there              ? glm::vec4(0)
                                : projection.values ? glm::vec4(glm::vec3(float(value)), 1)

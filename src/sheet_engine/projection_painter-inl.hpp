@@ -129,12 +129,16 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
       s.dead = true;
       return;
     }
+    M seen = alive;
+    const bool by_planes = this->cut_by_planes(s, seen);
+    if (!any(seen)) return;
     const Ends ends = rays_.ends(s.ray);
     const Corner corner = this->corner_below(ends);
     if (cannot_change(s, alive, ends)) return;
     const Position from = rays_.at(s.ray, 0), to = rays_.at(s.ray, slab_->pieces);
     Way way{set(0.0F), set(1.0F)};
-    if (Rays::some_miss(s.ray) || this->leaves(ends, one_voxel / 2 - 1)) way = this->way_in_box(s, 0);
+    if (Rays::some_miss(s.ray) || by_planes || this->leaves(ends, one_voxel / 2 - 1))
+      way = this->way_in_box(s, 0);
     const auto front = plane_of(slab_->front, corner), back = plane_of(slab_->back, corner);
     Walk walk{
         corner,    front, back, Along(from.u, to.u, way.enter), Along(from.v, to.v, way.enter), way.enter,

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <utility>
 #include <vector>
 
@@ -133,11 +135,25 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     return geometry().traversal.ascending ? state.visible_above : state.visible_below;
   }
 
+  /// Whether all that a block is used for lies behind a clip plane.
+  bool cut_off(int column, int row) const {
+    const auto [u, v] = in_plane(axis());
+    glm::dvec3 middle(slice_.index), around(frame_->reach());
+    middle[u] = side * column + 0.5 * (block_width(column) - 1);
+    middle[v] = side * row + 0.5 * (block_height(row) - 1);
+    around[u] += 0.5 * block_width(column);
+    around[v] += 0.5 * block_height(row);
+    return std::ranges::any_of(geometry().clip_planes, [&](const LatticePlane& plane) {
+      return plane.before(middle) + glm::dot(glm::abs(plane.normal), around) < 0;
+    });
+  }
+
   /// Finds the Renderers of a block that is needed, or is not as most others are.
   void deal(int column, int row) {
     const auto block = std::uint32_t(row * columns_ + column);
     const BlockState& state = states_[block];
     if (!state.needed && state.transparent == elsewhere_) return;
+    if (cut_off(column, row)) return;
     const PixelWindow window = windows_.of(column, row, slice_.index);
     const PixelRect touched = geometry().regions.touched(window.x0, window.y0, window.x1, window.y1);
     if (state.needed)

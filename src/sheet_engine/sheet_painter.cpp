@@ -161,6 +161,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     paint_.opaque_threshold = static_cast<float>(frame_->shown.opaque_threshold);
     paint_.face_pieces = 0.5F * float(frame_->slabs());
     paint_.projection = make_projection(*frame_, code);
+    for (const LatticePlane& plane : geometry().clip_planes)
+      paint_.clip_planes[std::size_t(paint_.clip_plane_count++)] = make_sheet_plane(plane, geometry());
   }
 
   void colour_projection() {

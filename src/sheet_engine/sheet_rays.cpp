@@ -203,6 +203,15 @@ SheetRays make_sheet_rays(const SheetFrame& frame) {
   return frame.geometry.view.eye ? rays_from_eye(frame) : parallel_rays(frame.geometry);
 }
 
+SheetPlane make_sheet_plane(const LatticePlane& plane, const FrameGeometry& g) {
+  const glm::ivec3 axes = axes_of(g);
+  glm::dvec3 middle(0.0);
+  middle[axes.z] = 0.5 * (g.slices - 1);
+  SheetPlane made{{}, float(plane.before(middle))};
+  for (int i = 0; i < 3; ++i) made.along[i] = float(plane.normal[axes[i]]);
+  return made;
+}
+
 SheetSlab make_slab(const SheetFrame& frame, const SheetRays& rays, int step) {
   const int slices = frame.geometry.slices;
   SheetSlab slab;

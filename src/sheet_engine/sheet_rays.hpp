@@ -11,6 +11,9 @@ GradientLight gradient_light(const SheetFrame& frame, double most);
 /// Throws InputError when the slices are too large or too oblique for positions of 32 bits.
 SheetRays make_sheet_rays(const SheetFrame& frame);
 
+/// A frame's clip plane in its slices.
+SheetPlane make_sheet_plane(const LatticePlane& plane, const FrameGeometry& geometry);
+
 /// A slab without its planes. `step`: of its front; -1: the half slice before the first one.
 SheetSlab make_slab(const SheetFrame& frame, const SheetRays& rays, int step);
 

@@ -183,18 +183,21 @@ class SheetTiles : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
         s.dead = true;
         continue;
       }
+      M seen = alive;
+      const bool by_planes = this->cut_by_planes(s, seen);
+      if (!any(seen)) continue;
       const Ends all = rays_.ends(s.ray);
       w.corner = this->corner_below(all);
       const bool some_miss = Rays::some_miss(s.ray);
       w.at_faces = some_miss || this->leaves(all, 0);
-      w.cut = some_miss || this->leaves(all, one_voxel / 2 - 1);
+      w.cut = some_miss || by_planes || this->leaves(all, one_voxel / 2 - 1);
       w.front = Sampler::plane(slab_->front, p_.pitch, w.corner);
       w.back = Sampler::plane(slab_->back, p_.pitch, w.corner);
       for (int i = 1; i <= kind.pieces; ++i) w.sheet[std::size_t(i)] = sheet_at(s, w.at_faces, i, w.corner);
-      w.visible = alive;
+      w.visible = seen;
       if (!kind.nearest) {
         interpolate(kind, s, w);
-        w.visible = both(alive, may_show(w));
+        w.visible = both(seen, may_show(w));
       }
       list_[kept] = t;
       kept += any(w.visible) ? 1 : 0;

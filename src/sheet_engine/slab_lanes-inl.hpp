@@ -74,7 +74,7 @@ HWY_INLINE F Shortened(F a, F w) {
   return choose(either(equal(w, one), opaque), a, shorter);
 }
 
-/// The part of the way from sheet to sheet that lies in the volume's box.
+/// The part of the way from sheet to sheet that lies in the volume's box and before clip planes.
 struct Way {
   F enter, leave;  ///< 0 and 1 at first
 
@@ -87,6 +87,13 @@ struct Way {
     const M outside = either(greater(low, from), greater(from, sub(high, set(1e-6F))));
     enter = max(enter, choose(moves, min(x, y), choose(outside, set(2.0F), set(0.0F))));
     leave = min(leave, choose(moves, max(x, y), set(1.0F)));
+  }
+  /// Limits it to where what goes from `a` to `b` is at least 0.
+  HWY_INLINE void limit(F a, F b) {
+    const F zero = set(0.0F), crossing = div(a, sub(a, b));
+    const M from_behind = greater(zero, a), to_behind = greater(zero, b);
+    enter = max(enter, only(from_behind, choose(to_behind, set(2.0F), crossing)));
+    leave = min(leave, choose(to_behind, only(but_not(to_behind, from_behind), crossing), set(1.0F)));
   }
   HWY_INLINE F length() const { return max(sub(leave, enter), set(0.0F)); }
 };

@@ -134,12 +134,38 @@ class TilePainter {
            ends.high_v > most_v() + beyond;
   }
 
-  /// The part of piece i that lies in the volume's box.
+  /// How far before a clip plane lanes at a position of sheet i are.
+  HWY_INLINE F before(const SheetPlane& plane, const Position& at, int i) const {
+    const F voxel = set(1.0F / one_voxel), slice = set(slab_->slice[std::size_t(i)]);
+    const F in_slice = fma(set(plane.along[2]), slice, set(plane.offset));
+    return fma(set(plane.along[0]), mul(voxel, to_float(at.u)),
+               fma(set(plane.along[1]), mul(voxel, to_float(at.v)), in_slice));
+  }
+  /// Takes the lanes whose way through the slab is behind a clip plane from `seen`. Returns whether one may
+  /// cut a lane's way; with a margin, so that no lane's bits depend on the others'.
+  HWY_INLINE bool cut_by_planes(const State& s, M& seen) const {
+    const int last = slab_->pieces;
+    bool cut = false;
+    for (int k = 0; k < p_.clip_plane_count; ++k) {
+      const SheetPlane& plane = p_.clip_planes[std::size_t(k)];
+      const F a = before(plane, rays_.at(s.ray, 0), 0), b = before(plane, rays_.at(s.ray, last), last);
+      constexpr float margin = 0.0625F;
+      cut = cut || any(greater(set(margin), min(a, b)));
+      seen = but_not(seen, greater(set(0.0F), max(a, b)));
+    }
+    return cut;
+  }
+
+  /// The part of piece i that lies in the volume's box and before clip planes.
   HWY_INLINE Way way_in_box(const State& s, int i) const {
     const Position from = rays_.at(s.ray, i), to = rays_.at(s.ray, i + 1);
     Way way{set(0.0F), set(1.0F)};
     way.narrow(from.u, to.u, p_.rays.voxels[0]);
     way.narrow(from.v, to.v, p_.rays.voxels[1]);
+    for (int k = 0; k < p_.clip_plane_count; ++k) {
+      const SheetPlane& plane = p_.clip_planes[std::size_t(k)];
+      way.limit(before(plane, from, i), before(plane, to, i + 1));
+    }
     return way;
   }
 

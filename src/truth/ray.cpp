@@ -25,11 +25,28 @@ LatticeBox voxel_faces(const Scene& scene) {
   return {glm::dvec3(shown.first) - 0.5, glm::dvec3(shown.end) - 0.5};
 }
 
+double CutPlane::at(const glm::dvec3& place) const { return glm::dot(normal, place) + offset; }
+
+std::vector<CutPlane> cut_planes(const Scene& scene) {
+  const LatticeFrame whole = scene.cut_from ? scene.cut_from->whole : lattice_of(scene.grid);
+  const glm::dvec3 first(scene.cut_from ? scene.cut_from->first : glm::ivec3(0));
+  std::vector<CutPlane> planes;
+  for (const auto& [normal, distance] : scene.frame.shown.clip_planes) {
+    const glm::dvec3 from_middle =
+        whole.direction * (whole.spacing * (first - 0.5 * glm::dvec3(whole.dims - 1)));
+    const glm::dvec3 unit = glm::normalize(normal);
+    planes.push_back(
+        {glm::transpose(whole.direction) * unit * whole.spacing, glm::dot(unit, from_middle) - distance});
+  }
+  return planes;
+}
+
 Rays::Rays(const Scene& scene, const LatticeBox& box)
     : view_(view_of(scene)),
       width_(scene.frame.shown.width),
       height_(scene.frame.shown.height),
       box_(box),
+      planes_(cut_planes(scene)),
       grid_(scene.grid) {
   to_lattice_ = glm::inverse(view_.linear);
   if (view_.eye) return;
@@ -67,6 +84,12 @@ LatticeRay Rays::through(Pixel pixel) const {
     const double s0 = (low - ray.origin[k]) / step[k], s1 = (high - ray.origin[k]) / step[k];
     ray.enter = std::max(ray.enter, std::min(s0, s1));
     ray.leave = std::min(ray.leave, std::max(s0, s1));
+  }
+  for (const CutPlane& plane : planes_) {
+    const double here = plane.at(ray.origin), rise = glm::dot(plane.normal, step);
+    if (rise > 0) ray.enter = std::max(ray.enter, -here / rise);
+    if (rise < 0) ray.leave = std::min(ray.leave, -here / rise);
+    if (rise == 0 && here < 0) ray.leave = ray.enter;
   }
   return ray;
 }

@@ -25,9 +25,17 @@ struct LatticeBox {
 /// The faces of the voxels that are shown: [−½, n − ½] along each axis without a clip box.
 LatticeBox voxel_faces(const Scene& scene);
 
-/// A pixel's ray in lattice coordinates: origin + s · step, s in unit lengths. It enters the box at `enter`
-/// and leaves it at `leave`; enter ≥ leave when it misses. A ray from an eye inside the box enters at the
-/// eye.
+/// A clip plane in lattice coordinates: what is left has normal · place + offset of at least 0.
+struct CutPlane {
+  glm::dvec3 normal;
+  double offset;
+  double at(const glm::dvec3& place) const;
+};
+std::vector<CutPlane> cut_planes(const Scene& scene);
+
+/// A pixel's ray in lattice coordinates: origin + s · step, s in unit lengths. It enters the box, or what
+/// clip planes leave of it, at `enter` and leaves it at `leave`; enter ≥ leave when it misses. A ray from an
+/// eye inside the box enters at the eye.
 struct LatticeRay {
   glm::dvec3 origin, step;
   glm::dvec3 to_viewer{0.0};  ///< world direction, unit length
@@ -44,11 +52,13 @@ class Rays {
   /// The pixels whose rays cross the box.
   ScreenBounds bounds() const;
   const ViewTransform& view() const { return view_; }
+  const std::vector<CutPlane>& planes() const { return planes_; }
 
  private:
   ViewTransform view_;
   int width_, height_;
   LatticeBox box_;
+  std::vector<CutPlane> planes_;
   /// Sets the direction of a ray along `steps`, lattice steps of any length.
   void point(LatticeRay& ray, const glm::dvec3& steps) const;
 

@@ -100,6 +100,7 @@ class SheetTracer : Tracer {
     const auto [u, v] = in_plane(traversal_.axis);
     Share share;
     for (const int k : {u, v}) share.clip(a[k], b[k], -0.5, scene_.grid.dims[k] - 0.5);
+    for (const CutPlane& plane : rays_.planes()) share.clip(plane.at(a), plane.at(b), 0, INFINITY);
     return share;
   }
 

@@ -249,6 +249,16 @@ Camera facing_slices(const LatticeFrame& lattice, Axis axis, bool patient) {
   return camera;
 }
 
+Camera facing_plane(const LatticeFrame& lattice, const glm::dvec3& normal, double distance) {
+  const glm::dvec3 to_viewer = unit(normal), extent = lattice.spacing * glm::dvec3(lattice.dims - 1);
+  Camera camera{.zoom = 1 / box_fill, .fit = Fit::box};
+  camera.target = lattice.origin + lattice.direction * (0.5 * extent) + distance * to_viewer;
+  camera.eye = *camera.target + glm::length(extent + lattice.spacing) * to_viewer;
+  constexpr double along_z = 0.999;
+  if (std::abs(to_viewer.z) > along_z) camera.up = {0, 1, 0};
+  return camera;
+}
+
 ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int width, int height) {
   if (width < 1 || height < 1)
     throw InputError(fmt::format("an image of {} x {} pixels cannot be drawn", width, height),

@@ -2,6 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/program_runner.hpp"
+#include "formats/npy.hpp"
+#include "images/image_io.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
@@ -119,6 +121,63 @@ TEST_CASE("a picture with --clip is its method's and near the field's truth of t
       CHECK(compared.code == 0);
     }
   }
+}
+
+TEST_CASE("--clip-plane draws the same bits on ranks, in a ring and in a mesh", "[mpi]") {
+  const Files files;
+  const std::string alone = files.folder / "alone.exr";
+  for (const std::string fov : {"0", "40"}) {
+    const auto with = [&](std::vector<std::string> more) {
+      more.insert(more.end(), {"--clip-plane", "0.4,1,-0.3,-2:-1,0.5,0.2,-9", "--fov", fov});
+      if (fov != "0") more.insert(more.end(), {"--projection", "perspective"});
+      if (fov == "0") more.resize(more.size() - 2);
+      return files.render(more);
+    };
+    REQUIRE(run_program(with({})).code == 0);
+    fs::rename(files.picture, alone);
+    const auto same_on = [&](int ranks, const std::vector<std::string>& more) {
+      const Ended ended = run_program(with(more), ranks);
+      INFO(ended.err);
+      REQUIRE(ended.code == 0);
+      CHECK(run_program({"compare", files.picture, alone, "--fail-above", "0"}).code == 0);
+    };
+    same_on(5, {"--gps", "3", "--renderers", "2"});
+    same_on(3, {"--roles", "colocated"});
+    same_on(6, {"--topology", "mesh", "--mesh", "2x2", "--renderers", "2"});
+  }
+}
+
+TEST_CASE("an oblique slice has the interpolated values of its plane") {
+  TemporaryFolder folder;
+  // 2 x + 3 y - z is linear: interpolation is exact.
+  const std::string volume = folder / "plane.npy", picture = folder / "slice.exr";
+  std::string values;
+  constexpr int side = 24;
+  for (int z = 0; z < side; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) {
+        const auto value = float(2 * x + 3 * y - z);
+        values.append(reinterpret_cast<const char*>(&value), sizeof value);
+      }
+  write_text(volume, files::npy("<f4", "(24, 24, 24)") + values);
+  const Ended ended =
+      run_program({"render", volume, "-o", picture, "--slice", "plane:1,1,1,4", "--values", "--size", "32"});
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  const auto image = read_image(picture).image;
+  // The middle of the picture is 4 / sqrt(3) voxels along each axis from the volume's middle.
+  const double there = 11.5 + 4 / std::sqrt(3.0);
+  double sum = 0;
+  for (const std::size_t at : {15 * 32 + 15, 15 * 32 + 16, 16 * 32 + 15, 16 * 32 + 16}) {
+    CHECK(image.rgba[4 * at + 3] == 1);
+    sum += image.rgba[4 * at];
+  }
+  CHECK(sum / 4 == Approx(4 * there).margin(0.01));
+  CHECK(says(run_program({"render", volume, "-o", picture, "--slice", "plane:1,1,0"}).err,
+             "--slice '1,1,0' is no plane"));
+  CHECK(says(
+      run_program({"render", volume, "-o", picture, "--clip-plane", "1,0,0,0", "--quality", "paper"}).err,
+      "--clip-plane has no effect on splats"));
 }
 
 TEST_CASE("info --clip tells what is in the part") {

@@ -184,6 +184,29 @@ class Controls(WithPage):
         self.page.click("clip-whole")
         self.assertEqual(self.page.facts("state.clip"), [[0, 48]] * 3)
 
+    def test_clip_planes_stand_across_the_view_and_are_moved_along_it(self):
+        self.page.press("1")
+        self.page.settle()
+        whole = self.page.measure()["n"]
+        self.page.click("add-plane")
+        self.page.settle()
+        self.assertEqual([round(number, 6) + 0 for number in self.page.facts("state.clip_planes")[0]], [0, 1, 0, 0])
+        slider = self.page.driver.find_element("css selector", "[aria-label='Plane 1, its distance']")
+        self.page.js("arguments[0].value = arguments[0].max; arguments[0].dispatchEvent(new Event('input'))", slider)
+        self.page.settle()
+        self.assertLess(self.page.measure()["n"], 0.05 * whole)
+        self.page.press("2")
+        self.page.click("add-plane")
+        self.page.settle()
+        self.assertEqual(len(self.page.facts("state.clip_planes")), 2)
+        self.assertTrue(self.page.js("return document.getElementById('add-plane').disabled"))
+        for _ in range(2):
+            self.page.js("document.querySelector(\"[aria-label='Remove plane 1']\").click()")
+        self.page.press("1")
+        self.page.settle()
+        self.assertEqual(self.page.facts("state.clip_planes"), [])
+        self.assertAlmostEqual(self.page.measure()["n"], whole, delta=0.01 * whole + 5)
+
     def test_background_is_the_corners_colour(self):
         self.page.fill("background", "#405060")
         self.page.settle()

@@ -53,6 +53,7 @@ TEST_CASE("A scene that was written is read back to the last bit") {
   scene.shown.light = {1, 2, 3};
   scene.frame = 3;
   scene.shown.clip = VoxelBox{{1, 2, 3}, {4, 20, 30}};
+  scene.shown.clip_planes = {{{1, 0, -2}, 3.5}, {{0, 1, 0}, 0}};
   scene.background = {0.1, 0.2, 0.3};
   CHECK(scene_from(nlohmann::json::parse(text_of(to_json(scene))), rules()) == scene);
 }
@@ -92,6 +93,8 @@ TEST_CASE("Messages that are not quite right are refused with words") {
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"camera":{"pan":[1]}}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"clip":[[0,11],[0,20],[0,30]]}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"clip":[[3,3],[0,20],[0,30]]}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"clip_planes":[[1,0,0]]}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"clip_planes":[[1,0,0,0],[1,0,0,0],[1,0,0,0]]}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"transfer_function":{"opacities":[[0,2],[1,1]]}}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"transfer_function":{"colours":[[0,0,0,0]]}}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"mode":"x"}})",

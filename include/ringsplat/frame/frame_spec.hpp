@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "ringsplat/classify/material.hpp"
 #include "ringsplat/classify/mode.hpp"
@@ -36,6 +37,14 @@ enum class Precision { float32, half, u8 };
 enum class ImagePlane { screen, slices };
 std::string name(ImagePlane plane);
 
+/// What lies behind a plane is cut off: the plane is `distance` world lengths from the whole volume's middle
+/// along `normal`, a world direction of any length, which points to what is left.
+struct ClipPlane {
+  glm::dvec3 normal{0.0, 1.0, 0.0};
+  double distance = 0;
+  bool operator==(const ClipPlane&) const = default;
+};
+
 /// What a picture shows, whatever draws it.
 struct Shown {
   Camera camera;
@@ -57,6 +66,8 @@ struct Shown {
   Reduction reduction;  ///< reduces the volume; opacities are corrected for the larger voxels
   /// The part of the volume that is shown, as if the rest were cut off; the camera fits the whole.
   std::optional<VoxelBox> clip = std::nullopt;
+  std::vector<ClipPlane> clip_planes = {};  ///< at most two, which only sheets can show
+  static constexpr std::size_t most_clip_planes = 2;
   bool operator==(const Shown&) const = default;
 };
 
@@ -122,8 +133,8 @@ struct FrameSpec {
 };
 
 /// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
-/// zero, a threshold outside [0, 1), words with less than float precision, a projection or a mode that the
-/// method has not.
+/// zero, a threshold outside [0, 1), words with less than float precision, a projection, a mode or clip
+/// planes that the method has not.
 void check(const FrameSpec& spec);
 /// Throws InputError when the method cannot draw the camera's kind of view.
 void check_projection(const Camera& camera, const Method& method);

@@ -70,6 +70,10 @@ int nearest_axis(const glm::dvec3& direction);
 /// They fill the picture, so that one of a slice's size has a pixel a voxel.
 Camera facing_slices(const LatticeFrame& lattice, Axis axis, bool patient);
 
+/// Stands straight before a plane, as far along a world direction from the volume's middle as `distance`
+/// says; world z points up, or y where the viewer looks along z.
+Camera facing_plane(const LatticeFrame& lattice, const glm::dvec3& normal, double distance);
+
 /// Lattice to screen: (pixel x right, pixel y down, depth away from the viewer in pixels); pixel
 /// centres lie at integers + ½.
 struct ViewTransform {

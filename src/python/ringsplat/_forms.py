@@ -72,6 +72,14 @@ def _clip(value: Any) -> list[str]:
     return [",".join(_clip_part(part) for part in value)]
 
 
+def _planes(value: Any) -> list[str]:
+    """One plane as four numbers, or several."""
+    if isinstance(value, str):
+        return [value]
+    planes = np.asarray(value, dtype=float).reshape(-1, 4)
+    return [":".join(",".join(_numbers(plane)) for plane in planes)]
+
+
 def _path(value: Any) -> list[str]:
     return [os.fspath(value) if isinstance(value, os.PathLike) else str(value)]
 
@@ -80,7 +88,7 @@ def _path(value: Any) -> list[str]:
 FORMS = {
     **dict.fromkeys(("FLOAT", "DEGREES", "RADII", "RMSE", "F"), ("float", _one)),
     **dict.fromkeys(("INT", "UINT", "N", "T", "BYTES"), ("int", _one)),
-    **dict.fromkeys(("NAME", "TYPE", "SIZE", "AXIS=PLACE"), ("str", _text)),
+    **dict.fromkeys(("NAME", "TYPE", "SIZE", "AXIS=PLACE|plane:NX,NY,NZ,D"), ("str", _text)),
     "N|NAME,...|all": ("int | str | Sequence[int | str]", _list),
     "SIDE": ("Literal['front', 'back', 'left', 'right', 'top', 'bottom']", _text),
     "WxH": ("int | tuple[int, int] | str", _joined("x", (1, 2))),
@@ -88,6 +96,7 @@ FORMS = {
     "LO:HI": ("tuple[float, float] | str", _joined(":", (2,))),
     "COLOUR": ("str | tuple[float, float, float]", _joined(",", (3,))),
     "X0:X1,Y0:Y1,Z0:Z1": ("str | Sequence[slice | tuple[float | None, float | None] | None]", _clip),
+    "NX,NY,NZ,D[:...]": ("str | Sequence[float] | Sequence[Sequence[float]]", _planes),
     "X Y Z": ("Sequence[float]", _numbers),
     "RIGHT DOWN": ("tuple[float, float]", _numbers),
     "M11 ... M34": ("ArrayLike", _numbers),

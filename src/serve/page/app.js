@@ -2,6 +2,7 @@
 
 import { fillingZoom, viewOf } from './camera.js';
 import { ClipPanel, wholeBox } from './clip_panel.js';
+import { ClipPlanesPanel } from './clip_planes_panel.js';
 import { Connection, kinds } from './connection.js';
 import { ChannelsPanel } from './channels_panel.js';
 import { byId, onceAFrame, openFile } from './dom.js';
@@ -49,6 +50,7 @@ class App {
     this.channels = new ChannelsPanel(this);
     this.viewPanel = new ViewPanel(this);
     this.clipPanel = new ClipPanel(this);
+    this.clipPlanes = new ClipPlanesPanel(this);
     this.film = new FilmPanel(this);
     this.series = new FramePanel(this);
     this.runs = new RunPanel(this);
@@ -341,6 +343,7 @@ class App {
     if (keys.has('channels')) this.channels.refresh();
     if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
     if (keys.has('clip')) this.clipPanel.refresh();
+    if (keys.has('clip_planes')) this.clipPlanes.refresh();
     if (keys.has('frame')) this.series.refresh();
     this.slices.refresh();
     const { state } = this.scene, { cross, places } = this.probing;

@@ -89,7 +89,7 @@ const latticeAxes = (volume) =>
 /** A lattice place in the world, but for its origin. */
 export const inWorld = (volume, place) => sum(...latticeAxes(volume).map((axis, k) => [place[k], axis]));
 
-function boundingRadius(volume) {
+export function boundingRadius(volume) {
   const corners = [[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]];
   return Math.max(...corners.map((ends) => length(inWorld(volume, volume.dims.map((n, k) => 0.5 * n * ends[k])))));
 }

@@ -21,6 +21,8 @@ const checks = {
   light: (l) => isNumbers(l, 3) && Math.hypot(...l) > 0,
   clip: (b) => b === null || (Array.isArray(b) && b.length === 3 &&
                               b.every((range) => isNumbers(range, 2) && range[0] < range[1])),
+  clip_planes: (all) => Array.isArray(all) && all.length <= 2 &&
+    all.every((plane) => isNumbers(plane, 4) && Math.hypot(...plane.slice(0, 3)) > 0),
   background: isRgb,
   channels: (all) => Array.isArray(all) && all.every((c) => typeof c?.visible === 'boolean' && isRgb(c.colour) &&
     isNumbers(c.window, 2) && c.window[0] <= c.window[1]),
