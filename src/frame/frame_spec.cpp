@@ -84,6 +84,7 @@ json to_json(const Shown& s) {
   if (s.clip) j["clip"] = to_json(*s.clip);
   for (const ClipPlane& plane : s.clip_planes)
     j["clip_planes"].push_back({plane.normal.x, plane.normal.y, plane.normal.z, plane.distance});
+  if (s.edges) j["edges"] = {s.edges->from, s.edges->to};
   return j;
 }
 
@@ -166,6 +167,16 @@ void check_clip_planes(const Shown& shown, const Method& method) {
     throw InputError("splats cannot be cut by a plane", "use --engine sheets, or leave --clip-plane out");
 }
 
+void check_edges(const Shown& shown, const Method& method) {
+  if (!shown.edges) return;
+  const auto [from, to] = *shown.edges;
+  if (!(from >= 0 && from < to && std::isfinite(to)))
+    throw InputError(fmt::format("--tf2d {}:{} is no window of magnitudes", from, to),
+                     "give two ascending numbers of at least 0");
+  if (std::holds_alternative<Splats>(method))
+    throw InputError("splats' opacities do not go by gradients", "use --engine sheets, or leave --tf2d out");
+}
+
 /// The first byte has the method's index among Method's alternatives, and above it the volume's number.
 constexpr std::size_t most_methods = 4;
 static_assert(std::variant_size_v<Method> <= most_methods);
@@ -215,6 +226,7 @@ void check(const FrameSpec& spec) {
   check_projection(spec.shown.camera, spec.how);
   check_mode(spec.shown, spec.how);
   check_clip_planes(spec.shown, spec.how);
+  check_edges(spec.shown, spec.how);
 }
 
 Bytes encode(const FrameSpec& spec, std::size_t volume) {

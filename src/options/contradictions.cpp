@@ -94,6 +94,8 @@ const Rule all_rules[] = {
     {"--cores --machine", needs, "--ranks", "add --ranks N"},
     {"--isovalue", needs, "--mode=surface", "add --mode surface"},
     {"--values", needs, "--mode --slice", "add --mode sum or another"},
+    {"--mode=mip --mode=attenuated --mode=minip --mode=mean --mode=sum --mode=surface --slice", excludes,
+     "--tf2d", "only light through the volume goes by opacities: leave one out"},
     {"--slice", excludes,
      "--clip --clip-plane --mode --view --azimuth --elevation --matrix --eye --target --projection --orbit "
      "--path",

@@ -212,6 +212,15 @@ void add_size_options(OptionList& list, RenderOptions& o) {
       {"--range", "LO:HI", nullptr,
        "Window of values that the transfer function spans; a preset or a file is stretched onto it",
        parsed(o.colour.range, parse_window)},
+      {"--tf2d", "G0:G1", nullptr,
+       "Show boundaries: opacity goes by the gradient's magnitude, too, in values over world lengths; "
+       "nothing "
+       "is left of it up to G0, all of it from G1 on",
+       text([&o](const std::string& window, const std::string& option) {
+         const DataRange range = parse_window(window, option);
+         o.frame.shown.edges = EdgeOpacity{range.low, range.high};
+       }),
+       Mark::of_sheets},
       {"--opacity", "F", "1", "Makes the volume so many times as dense: 2 thicker, 0.5 thinner",
        parsed(o.colour.opacity,
               [](const std::string& text, const std::string& option) {

@@ -192,7 +192,7 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
       s.gradient_sheet = slab_->step;
       light = lit_at(s, slab.centroid, front, difference(back, front));
     }
-    composite(s, slab, only(w.visible, whole_opacity(kind, s, slab)), light);
+    composite(s, slab, at_edges(only(w.visible, whole_opacity(kind, s, slab)), light), light);
   }
 
   /// The slab's pieces one by one; lanes that a single slab serves take it in place of the first.
@@ -230,7 +230,7 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
         }
         light = lit(s, w, slab, opacity, gradients[front], change);
       }
-      composite(s, slab, opacity, light);
+      composite(s, slab, at_edges(opacity, light), light);
     }
   }
 
@@ -270,9 +270,13 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
           slab.spread = mul(part, slab.spread);
           light = lit(s, w, slab, opacity, gradients[front], difference(gradients[back], gradients[front]));
         }
-        composite(s, slab, opacity, light);
+        composite(s, slab, at_edges(opacity, light), light);
       }
     }
+  }
+
+  HWY_INLINE F at_edges(F opacity, const Reflected& light) const {
+    return p_.light.edges ? Shortened(opacity, light.opaque) : opacity;
   }
 
   /// Lit at the slab's centroid, or where it shows at centroid - spread and centroid + spread.
@@ -286,7 +290,8 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
     const F spread = only(two, slab.spread), half = set(0.5F);
     const Reflected a = lit_at(s, max(sub(slab.centroid, spread), set(0.0F)), front, change),
                     b = lit_at(s, min(add(slab.centroid, spread), set(1.0F)), front, change);
-    return {mul(half, add(a.scale, b.scale)), mul(half, add(a.highlight, b.highlight))};
+    return {mul(half, add(a.scale, b.scale)), mul(half, add(a.highlight, b.highlight)),
+            mul(half, add(a.opaque, b.opaque))};
   }
 
   /// The length of the part of piece i that lies in the volume's box, in the table's lengths.

@@ -26,6 +26,9 @@ inline constexpr std::int32_t one_voxel = 1 << position_bits;
 /// No slice of a frame may be so many voxels wide or lie so many voxels beside another one.
 inline constexpr double most_voxels = 16384;
 
+/// Of sums of 16-bit numbers by the weights of four voxels.
+inline constexpr float pair_unit = 1.0F / 16384;
+
 /// The planes round a slab and its sheets. Planes are pointers to voxel (0, 0); beyond the volume's first and
 /// last slice they are extrapolated.
 struct SheetSlab {
@@ -96,6 +99,8 @@ struct GradientLight {
   float light[3] = {}, viewer[3] = {};  ///< unit vectors in those coordinates
   float between = 0;                    ///< light · viewer
   float ambient = 0, diffuse = 0, specular = 0, exponent = 0;
+  bool edges = false;  ///< opacity goes by gradients' lengths: nothing of it is left at `edge_from`,
+  float edge_from = 0, over_edge = 0;  ///< all of it 1 / `over_edge` beyond
 };
 
 /// A clip plane: what is left is at least 0 voxels before it, along · (u, v, k) + offset. u and v count from

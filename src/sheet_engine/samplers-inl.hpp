@@ -50,7 +50,6 @@ HWY_INLINE PairWeights PairWeightsAt(I u, I v) {
   const I lower = mul_halves_15(along, either(fy, up<16>(fy)));
   return {sub_halves(along, lower), lower};
 }
-inline constexpr float pair_unit = 1.0F / 16384;
 HWY_INLINE F FirstOf(I pairs) { return to_float(down_signed<16>(up<16>(pairs))); }
 HWY_INLINE F SecondOf(I pairs) { return to_float(down_signed<16>(pairs)); }
 struct PairCell {

@@ -19,8 +19,10 @@ struct SheetFrame {
   FramePlan plan;
   TransparentValues transparent;
 
+  bool shaded() const { return shown.shading == Shading::phong; }
+  /// Whether colours or opacities go by gradients.
   bool lit() const {
-    return shown.shading == Shading::phong && (shown.mode == Mode::composite || shown.mode == Mode::surface);
+    return shaded() ? composites() || shown.mode == Mode::surface : composites() && shown.edges;
   }
   bool composites() const { return shown.mode == Mode::composite; }
   /// Whether slabs count by their lengths, and not all alike.

@@ -147,7 +147,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     if (frame_->composites())
       paint_.places =
           frame_->nearest() ? place_map(*frame_, scale_, values_) : place_map(*frame_, scale_, table_.axis());
-    paint_.light = gradient_light(*frame_, code.floats ? largest_number() : 4095);
+    paint_.light = code.floats ? gradient_light(*frame_, largest_number(), code.scale)
+                               : gradient_light(*frame_, 4095, code.scale / pair_unit);
     paint_.nearest = frame_->nearest();
     paint_.table = paint_.nearest ? values_.entries() : table_.entries();
     paint_.last_entry = paint_.nearest ? float(values_.last()) : TableAxis::last;

@@ -169,7 +169,7 @@ SheetRays rays_from_eye(const SheetFrame& frame) {
 
 }  // namespace
 
-GradientLight gradient_light(const SheetFrame& frame, double most) {
+GradientLight gradient_light(const SheetFrame& frame, double most, double of_value) {
   const FrameGeometry& g = frame.geometry;
   const auto [basis, upper] = gradient_axes(g);
   const ViewTransform& view = g.view;
@@ -185,6 +185,14 @@ GradientLight gradient_light(const SheetFrame& frame, double most) {
   light.vv = scaled(upper[1][1]);
   light.vk = scaled(upper[1][2]);
   light.kk = scaled(upper[2][2]);
+  if (shown.edges) {
+    // Differences are over two voxels, in smallest spacings.
+    const double smallest = std::min({g.grid.spacing.x, g.grid.spacing.y, g.grid.spacing.z}),
+                 length = 2 * of_value * smallest;
+    light.edges = true;
+    light.edge_from = scaled(shown.edges->from * length);
+    light.over_edge = 1 / scaled((shown.edges->to - shown.edges->from) * length);
+  }
   const auto mixed = [&](int i, int k) { return std::abs(upper[i][k]) > 1e-12 * upper[k][k]; };
   light.oblique = mixed(0, 1) || mixed(0, 2) || mixed(1, 2);
   for (int i = 0; i < 3; ++i) {
@@ -196,6 +204,8 @@ GradientLight gradient_light(const SheetFrame& frame, double most) {
   light.diffuse = static_cast<float>(shown.material.diffuse);
   light.specular = static_cast<float>(shown.material.specular);
   light.exponent = static_cast<float>(shown.material.exponent);
+  // Colours as they are.
+  if (!frame.shaded()) light.ambient = 1, light.diffuse = light.specular = 0;
   return light;
 }
 

@@ -6,7 +6,8 @@ namespace ringsplat {
 
 /// Phong's reflection for gradients that are differences of plane numbers along u, v and the traversed axis.
 /// `most`: the largest number; gradients are scaled by it so that their squares neither overflow nor vanish.
-GradientLight gradient_light(const SheetFrame& frame, double most);
+/// `of_value`: how much larger a difference of such numbers is than that of values.
+GradientLight gradient_light(const SheetFrame& frame, double most, double of_value);
 
 /// Throws InputError when the slices are too large or too oblique for positions of 32 bits.
 SheetRays make_sheet_rays(const SheetFrame& frame);

@@ -98,9 +98,10 @@ struct Way {
   HWY_INLINE F length() const { return max(sub(leave, enter), set(0.0F)); }
 };
 
-/// How a surface is lit: colours times `scale`, plus `highlight`.
+/// How a surface is lit: colours times `scale`, plus `highlight`; and how much of its opacity its steepness
+/// leaves.
 struct Reflected {
-  F scale, highlight;
+  F scale, highlight, opaque;
 };
 
 /// The direction to the viewer, in the coordinates of GradientLight, and its product with the light's.
@@ -158,7 +159,11 @@ HWY_INLINE Reflected Reflect(const GradientLight& light, const Viewer& viewer, G
   const F mirrored = min(max(sub(mul(product, set(2.0F)), viewer.light), zero), set(1.0F));
   const F highlight =
       only(both(surface, greater(product, zero)), mul(Power(mirrored, light.exponent), set(light.specular)));
-  return {choose(surface, fma(abs(to_light), set(light.diffuse), set(light.ambient)), set(1.0F)), highlight};
+  F opaque = set(1.0F);
+  if (light.edges)
+    opaque = min(max(mul(fma(square, over, set(-light.edge_from)), set(light.over_edge)), zero), opaque);
+  return {choose(surface, fma(abs(to_light), set(light.diffuse), set(light.ambient)), set(1.0F)), highlight,
+          opaque};
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE

@@ -189,7 +189,7 @@ class TilePainter {
     return Reflect(p_.light, rays_.viewer(s.ray),
                    {fma(way, change.u, front.u), fma(way, change.v, front.v), fma(way, change.k, front.k)});
   }
-  static Reflected unlit() { return {set(1.0F), set(0.0F)}; }
+  static Reflected unlit() { return {set(1.0F), set(0.0F), set(1.0F)}; }
 
   const SheetPaint& p_;
   const PixelGroup& group_;

@@ -7,6 +7,7 @@
 #include <limits>
 #include <optional>
 
+#include "ringsplat/base/error.hpp"
 #include "truth/cubic.hpp"
 #include "truth/quadrature.hpp"
 #include "truth/ray.hpp"
@@ -180,15 +181,17 @@ class FieldIntegrator : Tracer {
     const auto values = cell_values(scene_, curve_, shown);
     if (!values || !curve_.visible(values->low, values->high)) return;
     Corners<glm::dvec3> normals{};
-    if (scene_.shaded()) normals = cell_normals(gradients_, cell);
+    if (scene_.needs_gradients()) normals = cell_normals(gradients_, cell);
 
     const auto place = [&](double s) { return ray.at(s) - glm::dvec3(crossing.cell); };
     const auto value_at = [&](double s) { return values->at(place(s)); };
     const auto medium_at = [&](double s) {
       const auto sample = curve_.at(value_at(s));
       Medium medium{extinction(sample.opacity), sample.colour};
-      if (scene_.shaded() && sample.opacity > 0)
-        medium.colour = phong_.shade(medium.colour, trilinear(normals, place(s)), ray.to_viewer);
+      if (!scene_.needs_gradients() || !(sample.opacity > 0)) return medium;
+      const glm::dvec3 normal = trilinear(normals, place(s));
+      medium.extinction = gradients_.left_at_edge(medium.extinction, normal);
+      if (scene_.shaded()) medium.colour = phong_.shade(medium.colour, normal, ray.to_viewer);
       return medium;
     };
     const auto cuts = smooth_pieces(crossing, place, value_at, normals, ray.to_viewer);
@@ -236,6 +239,7 @@ ScreenBounds field_bounds(const Scene& scene) { return Rays(scene).bounds(); }
 std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, std::span<const Pixel> pixels,
                                  double tolerance) {
   const Shown& shown = scene.frame.shown;
+  if (shown.edges) throw InputError("a formula's truth knows no --tf2d", "leave it out");
   if (shown.clip) check(*shown.clip, scene.grid);
   const Rays rays(scene);
   const TransferCurve curve(shown.transfer_function);

@@ -151,6 +151,16 @@ Gradients::Gradients(const Scene& scene)
   if (largest > 0) scale_ = 1 / static_cast<long double>(largest);
 }
 
+double Gradients::left_at_edge(double extinction, const glm::dvec3& normal) const {
+  if (!scene_.frame.shown.edges) return extinction;
+  const auto [from, to] = *scene_.frame.shown.edges;
+  const glm::dvec3& spacing = scene_.grid.spacing;
+  const double smallest = std::min({spacing.x, spacing.y, spacing.z}),
+               steepness = glm::length(normal) / (double(scale_) * smallest),
+               share = std::clamp((steepness - from) / (to - from), 0.0, 1.0);
+  return share > 0 ? share * extinction : 0;
+}
+
 glm::dvec3 Gradients::at(const glm::ivec3& voxel) const {
   const auto& dims = scene_.grid.dims;
   const std::size_t stride[3] = {1, std::size_t(dims.x), std::size_t(dims.x) * std::size_t(dims.y)};

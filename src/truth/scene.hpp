@@ -35,6 +35,7 @@ struct Scene {
   };
   std::optional<CutFrom> cut_from = std::nullopt;
   bool shaded() const { return frame.shown.shading == Shading::phong; }
+  bool needs_gradients() const { return shaded() || frame.shown.edges; }
   bool of_sheets() const { return std::holds_alternative<Sheets>(frame.how); }
   bool nearest() const { return frame.shown.interpolation == Interpolation::nearest; }
   /// A voxel's place in `values`.
@@ -133,6 +134,8 @@ class Gradients {
   /// One-sided at the border and beside a value that is not finite; zero where the voxel itself is not
   /// finite.
   glm::dvec3 at(const glm::ivec3& voxel) const;
+  /// What is left of an extinction where the field has this normal, by Shown::edges.
+  double left_at_edge(double extinction, const glm::dvec3& normal) const;
 
  private:
   const Scene& scene_;

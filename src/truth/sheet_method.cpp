@@ -147,14 +147,33 @@ class SheetTracer : Tracer {
     return *sheet.normal;
   }
 
-  Phong::Light light(const SlabIntegral& slab, Sheet& front, Sheet& back, const glm::dvec3& to_viewer) const {
-    if (!scene_.shaded()) return {};
+  /// The normals where a slab is lit.
+  std::vector<glm::dvec3> normals(const SlabIntegral& slab, Sheet& front, Sheet& back) const {
     const glm::dvec3 n0 = normal(front), n1 = normal(back);
-    const auto at = [&](double t) { return phong_.light((1 - t) * n0 + t * n1, to_viewer); };
-    if (scene_.frame.as<Sheets>().light_points == 1) return at(slab.centroid);
-    const Phong::Light near = at(std::max(slab.centroid - slab.spread, 0.0)),
-                       far = at(std::min(slab.centroid + slab.spread, 1.0));
-    return {0.5 * (near.scale + far.scale), 0.5 * (near.highlight + far.highlight)};
+    const auto at = [&](double t) { return (1 - t) * n0 + t * n1; };
+    if (scene_.frame.as<Sheets>().light_points == 1) return {at(slab.centroid)};
+    return {at(std::max(slab.centroid - slab.spread, 0.0)), at(std::min(slab.centroid + slab.spread, 1.0))};
+  }
+
+  Phong::Light light(const std::vector<glm::dvec3>& normals, const glm::dvec3& to_viewer) const {
+    if (!scene_.shaded()) return {};
+    Phong::Light mean{0, 0};
+    for (const glm::dvec3& normal : normals) {
+      const Phong::Light one = phong_.light(normal, to_viewer);
+      mean.scale += one.scale / double(normals.size());
+      mean.highlight += one.highlight / double(normals.size());
+    }
+    return mean;
+  }
+
+  /// What is left of a slab's opacity by how steep the field is there.
+  double at_edges(double opacity, const std::vector<glm::dvec3>& normals) const {
+    if (!scene_.frame.shown.edges) return opacity;
+    double share = 0;
+    for (const glm::dvec3& normal : normals)
+      share += gradients_.left_at_edge(1, normal) / double(normals.size());
+    if (opacity == 1) return share > 0 ? 1 : 0;
+    return -std::expm1(share * std::log1p(-opacity));
   }
 
   void add_slab(const LatticeRay& ray, Sheet& front, Sheet& back, const Ends& ends, double part,
@@ -213,7 +232,10 @@ class SheetTracer : Tracer {
   void composite(const LatticeRay& ray, const SlabIntegral& slab, double opacity, Sheet& front, Sheet& back,
                  Rgba& seen) const {
     if (!(opacity > 0)) return;
-    const glm::dvec3 colour = light(slab, front, back, ray.to_viewer).on(slab.colour);
+    std::vector<glm::dvec3> lit_at;
+    if (scene_.needs_gradients()) lit_at = normals(slab, front, back);
+    opacity = at_edges(opacity, lit_at);
+    const glm::dvec3 colour = light(lit_at, ray.to_viewer).on(slab.colour);
     for (int c = 0; c < 3; ++c) seen[c] += seen.w * opacity * colour[c];
     seen.w *= 1 - opacity;
   }

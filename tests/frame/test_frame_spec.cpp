@@ -51,6 +51,7 @@ FrameSpec unusual_spec() {
   spec.shown.reduction = {.factor = 2, .prefilter = true};
   spec.shown.clip = VoxelBox{{1, 2, 3}, {40, 50, 60}};
   spec.shown.clip_planes = {{{1, -2, 0.5}, 12.5}};
+  spec.shown.edges = EdgeOpacity{0.5, 20};
   spec.as<Splats>().payload = PayloadForm::words;
   spec.as<Splats>().precision = Precision::u8;
   return spec;

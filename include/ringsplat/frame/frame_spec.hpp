@@ -45,6 +45,13 @@ struct ClipPlane {
   bool operator==(const ClipPlane&) const = default;
 };
 
+/// How much of its opacity the field keeps by its gradient's magnitude, in values over world lengths: nothing
+/// up to `from`, all beyond `to`, on a line between (after Levoy 1988, section 3.1).
+struct EdgeOpacity {
+  double from = 0, to = 1;
+  bool operator==(const EdgeOpacity&) const = default;
+};
+
 /// What a picture shows, whatever draws it.
 struct Shown {
   Camera camera;
@@ -68,6 +75,7 @@ struct Shown {
   std::optional<VoxelBox> clip = std::nullopt;
   std::vector<ClipPlane> clip_planes = {};  ///< at most two, which only sheets can show
   static constexpr std::size_t most_clip_planes = 2;
+  std::optional<EdgeOpacity> edges = std::nullopt;  ///< for sheets' light, Mode::composite
   bool operator==(const Shown&) const = default;
 };
 
@@ -133,8 +141,8 @@ struct FrameSpec {
 };
 
 /// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
-/// zero, a threshold outside [0, 1), words with less than float precision, a projection, a mode or clip
-/// planes that the method has not.
+/// zero, a threshold outside [0, 1), words with less than float precision, a projection, a mode, clip
+/// planes or edges that the method has not.
 void check(const FrameSpec& spec);
 /// Throws InputError when the method cannot draw the camera's kind of view.
 void check_projection(const Camera& camera, const Method& method);

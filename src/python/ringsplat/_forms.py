@@ -93,7 +93,7 @@ FORMS = {
     "SIDE": ("Literal['front', 'back', 'left', 'right', 'top', 'bottom']", _text),
     "WxH": ("int | tuple[int, int] | str", _joined("x", (1, 2))),
     "XxYxZ": ("float | Sequence[float] | str", _joined("x", (1, 3))),
-    "LO:HI": ("tuple[float, float] | str", _joined(":", (2,))),
+    **dict.fromkeys(("LO:HI", "G0:G1"), ("tuple[float, float] | str", _joined(":", (2,)))),
     "COLOUR": ("str | tuple[float, float, float]", _joined(",", (3,))),
     "X0:X1,Y0:Y1,Z0:Z1": ("str | Sequence[slice | tuple[float | None, float | None] | None]", _clip),
     "NX,NY,NZ,D[:...]": ("str | Sequence[float] | Sequence[Sequence[float]]", _planes),
