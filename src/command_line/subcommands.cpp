@@ -64,17 +64,17 @@ void add_render(OptionList& list, AllOptions& all) {
   add_error_options(list, o);
 }
 
-/// Ranks that draw sheets need not wait for each token (docs/performance.md); described machines keep to the
-/// paper's protocol.
+/// Sheets run ahead of tokens; described machines keep to the paper's protocol.
 void settle_protocol(const OptionList& list, RenderOptions& o) {
   if (!std::holds_alternative<Sheets>(o.frame.how) || !o.run.machine.empty()) return;
   const auto unless_given = [&list](const char* option, int& value, int usual) {
     if (!list.is_given(option)) value = usual;
   };
   ProtocolOptions& protocol = o.run.protocol;
-  unless_given("--slots", protocol.slots, 16);
-  unless_given("--look-ahead", protocol.look_ahead, 4);
-  if (o.run.topology == Topology::ring) unless_given("--send-ahead", protocol.send_ahead, 16);
+  unless_given("--slots", protocol.slots, running_ahead.slots);
+  unless_given("--look-ahead", protocol.look_ahead, running_ahead.look_ahead);
+  if (o.run.topology == Topology::ring)
+    unless_given("--send-ahead", protocol.send_ahead, running_ahead.send_ahead);
 }
 
 Command settle_render(const OptionList& list, AllOptions& all) {

@@ -20,6 +20,10 @@ struct ProtocolOptions {
   Trace* trace = nullptr;     ///< records what the nodes of this process do; must outlive them
 };
 
+/// How far ranks that draw sheets run ahead of tokens, so that they wait less for those that something else
+/// keeps from running (docs/performance.md). On a mesh nothing is sent ahead.
+inline constexpr ProtocolOptions running_ahead{.slots = 16, .look_ahead = 4, .send_ahead = 16};
+
 /// Throws InputError naming the option when a number is below 1 (or the timeout not positive).
 inline void check(const ProtocolOptions& options) {
   const auto at_least = [](const char* option, int value, int least) {
