@@ -52,12 +52,8 @@ ThreadTeam::ThreadTeam(int threads) : threads_(threads) {
     throw InputError(
         fmt::format("{} threads cannot share a rank's work", threads),
         fmt::format("--threads-per-rank takes 1 to {}; one for each core of a rank is best", most_threads));
-  if (threads > 1) state_ = std::make_unique<State>(threads);
+  if (threads > 1) state_ = std::make_shared<State>(threads);
 }
-
-ThreadTeam::~ThreadTeam() = default;
-ThreadTeam::ThreadTeam(ThreadTeam&&) noexcept = default;
-ThreadTeam& ThreadTeam::operator=(ThreadTeam&&) noexcept = default;
 
 void ThreadTeam::run(int lanes, const std::function<void(int lane)>& work) {
   if (lanes <= 1 || !state_) {

@@ -12,9 +12,6 @@ class ThreadTeam {
 
   /// The calling thread and threads − 1 more. Throws InputError for a number below 1 or above most_threads.
   explicit ThreadTeam(int threads = 1);
-  ~ThreadTeam();
-  ThreadTeam(ThreadTeam&&) noexcept;
-  ThreadTeam& operator=(ThreadTeam&&) noexcept;
 
   int size() const { return threads_; }
 
@@ -27,7 +24,7 @@ class ThreadTeam {
  private:
   struct State;
   int threads_;
-  std::unique_ptr<State> state_;  ///< null when alone
+  std::shared_ptr<State> state_;  ///< of all copies; null when alone
 };
 
 }  // namespace ringsplat
