@@ -8,14 +8,13 @@
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
-#include <cstdint>
 #include <ctime>
 #include <exception>
 #include <fstream>
 #include <mutex>
 #include <numeric>
 #include <optional>
-#include <span>
+#include <stop_token>
 #include <thread>
 #include <utility>
 
@@ -48,16 +47,7 @@ class StallWatch {
     MPI_Query_thread(&threads);
     if (!at_work || threads < MPI_THREAD_SERIALIZED) return;
     pthread_getcpuclockid(pthread_self(), &worker_);
-    thread_ = std::thread([this] { watch_own_work(); });
-  }
-
-  ~StallWatch() {
-    {
-      const std::lock_guard lock(stopping_);
-      stop_ = true;
-    }
-    stopped_.notify_all();
-    if (thread_.joinable()) thread_.join();
+    thread_ = std::jthread([this](const std::stop_token& stop) { watch_own_work(stop); });
   }
 
   /// Only with this lock may MPI be called.
@@ -154,11 +144,13 @@ class StallWatch {
     log_warning("{}; the others wait", line);
   }
 
-  void watch_own_work() try {
+  void watch_own_work(const std::stop_token& stop) try {
     double still = 0, last = now_seconds();
     bool told = false;
-    for (std::unique_lock stopping(stopping_);
-         !stopped_.wait_for(stopping, tick, [this] { return stop_; });) {
+    std::mutex only_here;
+    std::condition_variable_any stopped;
+    for (std::unique_lock held(only_here);
+         !stopped.wait_for(held, stop, tick, [&stop] { return stop.stop_requested(); });) {
       const double passed = seconds_awake(last, 10 * std::chrono::duration<double>(tick).count());
       if (waits_) {
         still = 0;
@@ -210,10 +202,7 @@ class StallWatch {
   std::int64_t worker_nanoseconds_ = 0;
   double process_seconds_ = 0;
   std::uint64_t bytes_read_ = 0;
-  bool stop_ = false;
-  std::mutex stopping_;
-  std::condition_variable stopped_;
-  std::thread thread_;
+  std::jthread thread_;  ///< last: it uses all of the above
 };
 
 constexpr int block_tag = 3, presence_tag = 4;

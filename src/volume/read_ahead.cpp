@@ -27,21 +27,16 @@ ReadAheadSource::ReadAheadSource(std::unique_ptr<VolumeSource> source, std::vect
       runs_(std::move(runs)),
       most_bytes_(most_bytes),
       slice_bytes_(grid().slice_bytes(Axis::z)),
-      thread_([this] { run(); }) {}
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
-ReadAheadSource::~ReadAheadSource() {
-  stop_ = true;
-  thread_.join();
-}
-
-void ReadAheadSource::run() {
+void ReadAheadSource::run(const std::stop_token& stop) {
   const PlainFloats as_without_a_thread;
   std::exception_ptr failure;
   try {
     std::size_t slices = 0;
     for (const SliceRun& run : runs_) {
       slices += std::size_t(run.count);
-      if (stop_ || slices * slice_bytes_ > most_bytes_) break;
+      if (stop.stop_requested() || slices * slice_bytes_ > most_bytes_) break;
       read(run);
     }
   } catch (...) {

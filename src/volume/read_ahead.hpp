@@ -1,10 +1,10 @@
 #pragma once
-#include <atomic>
 #include <condition_variable>
 #include <cstddef>
 #include <exception>
 #include <map>
 #include <mutex>
+#include <stop_token>
 #include <thread>
 #include <vector>
 
@@ -34,31 +34,25 @@ class NotingSource final : public ForwardingSource {
 /// Reads `runs` of a source into memory on a thread of its own, which begins at once and calls no MPI, until
 /// all are read or another one would take more than `most_bytes`. read_slices() gives what is there and waits
 /// for the rest; what the thread left out it reads itself. An error of the thread is thrown where its slices
-/// are asked for.
+/// are asked for. Its end waits for the run that is being read and gives up the others.
 class ReadAheadSource final : public ForwardingSource {
  public:
   ReadAheadSource(std::unique_ptr<VolumeSource> source, std::vector<SliceRun> runs, std::size_t most_bytes);
-  /// Gives up what is not yet read; waits for the run that is being read.
-  ~ReadAheadSource() override;
-  ReadAheadSource(const ReadAheadSource&) = delete;
-  ReadAheadSource& operator=(const ReadAheadSource&) = delete;
-
   void read_slices(int first, int count, std::span<std::byte> out) override;
 
  private:
-  void run();
+  void run(const std::stop_token& stop);
   void read(const SliceRun& run);
   bool has(int first, int count) const;
 
   const std::vector<SliceRun> runs_;
   const std::size_t most_bytes_, slice_bytes_;
-  std::atomic<bool> stop_ = false;
   std::mutex mutex_;  ///< guards what follows; the source is the thread's until that has ended
   std::condition_variable changed_;
   std::map<int, std::vector<std::byte>> slices_;
   bool ended_ = false;
   std::exception_ptr failure_;
-  std::thread thread_;  ///< last: it uses all of the above
+  std::jthread thread_;  ///< last: it uses all of the above
 };
 
 }  // namespace ringsplat
