@@ -38,15 +38,6 @@ class SliceSupply {
   virtual const std::byte* slice(int z) = 0;
 };
 
-/// Every process reads the slices that it needs.
-std::unique_ptr<SliceSupply> reading_supply(VolumeSource& source);
-
-/// Some processes decode layers in turn. `source`: this process's, or null where it does not read; `readers`:
-/// how many do; `told(z)`: how far all readers are by now, if each is as fast as this one.
-std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& grid, int layer_depth,
-                                             int readers, std::function<void(double z)> told,
-                                             Collectives& collectives);
-
 /// The slices that GPs have, all of which must keep z slices; or those of the reduced volume. `stores` must
 /// outlive the supply.
 std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores,

@@ -154,22 +154,4 @@ OpenedVolume open_everywhere(Collectives& collectives,
   return volume;
 }
 
-std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options,
-                                      const Sharing& sharing) {
-  const bool alone = volume.concurrent && volume.layer_depth == 1;
-  const int readers = volume.concurrent ? sharing.collectives.processes() : 1;
-  // Slices are read and dealt in turns.
-  double read = 0, dealt = 0;
-  const auto note = [&](double& slices, double end) {
-    slices = end;
-    if (options.told) options.told((alone ? dealt : 0.5 * (read + dealt)) / volume.grid.dims.z);
-  };
-  const auto supply = alone ? reading_supply(*volume.source)
-                            : decoding_supply(
-                                  volume.source.get(), volume.grid, volume.layer_depth, readers,
-                                  [&](double z) { note(read, z); }, sharing.collectives);
-  note(read, 0);
-  return deal_slices(volume.grid, *supply, {options, sharing, nullptr, [&](int end) { note(dealt, end); }});
-}
-
 }  // namespace ringsplat

@@ -11,6 +11,7 @@
 namespace ringsplat {
 namespace {
 
+/// Every process reads the slices that it needs.
 class ReadingSupply final : public SliceSupply {
  public:
   explicit ReadingSupply(VolumeSource& source) : source_(source) {}
@@ -86,15 +87,16 @@ int slices_of(std::int64_t count) {
 /// group before it the slices that are still needed.
 class DecodingSupply final : public SendingSupply {
  public:
-  DecodingSupply(VolumeSource* source, const Grid& grid, int layer_depth, int readers,
-                 std::function<void(double)> told, Collectives& all)
-      : SendingSupply(grid, all),
-        source_(source),
-        depth_(layer_depth),
-        span_(slices_of(std::int64_t(layer_depth) *
-                        std::max<std::int64_t>(1, batch_of(grid) / (std::int64_t(layer_depth) * readers)))),
-        group_(slices_of(std::int64_t(span_) * readers)),
-        told_(std::move(told)) {}
+  /// `told(z)`: how far all readers are by now, if each is as fast as this one.
+  DecodingSupply(const OpenedVolume& volume, std::function<void(double z)> told, Collectives& all)
+      : SendingSupply(volume.grid, all),
+        source_(volume.source.get()),
+        depth_(volume.layer_depth),
+        told_(std::move(told)) {
+    const std::int64_t readers = volume.concurrent ? all.processes() : 1;
+    span_ = slices_of(depth_ * std::max<std::int64_t>(1, batch_of(volume.grid) / (depth_ * readers)));
+    group_ = slices_of(span_ * readers);
+  }
 
   int available_from(int z) override {
     // The last decoded slice lacks its neighbour.
@@ -128,7 +130,7 @@ class DecodingSupply final : public SendingSupply {
   }
 
   VolumeSource* source_;  ///< null on a process that does not read
-  int depth_, span_, group_;
+  int depth_, span_ = 1, group_ = 1;
   int end_ = 0;  ///< slices before it have been decoded by their readers
   std::function<void(double)> told_;
   std::map<int, Block> decoded_;  ///< slices that may still be needed
@@ -219,14 +221,23 @@ int batch_of(const Grid& grid) {
   return std::max<int>(1, int(batch_bytes / std::max<std::size_t>(1, grid.slice_bytes(Axis::z))));
 }
 
-std::unique_ptr<SliceSupply> reading_supply(VolumeSource& source) {
-  return std::make_unique<ReadingSupply>(source);
-}
-
-std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& grid, int layer_depth,
-                                             int readers, std::function<void(double z)> told,
-                                             Collectives& collectives) {
-  return std::make_unique<DecodingSupply>(source, grid, layer_depth, readers, std::move(told), collectives);
+std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options,
+                                      const Sharing& sharing) {
+  const bool alone = volume.concurrent && volume.layer_depth == 1;
+  // Slices are read and dealt in turns.
+  double read = 0, dealt = 0;
+  const auto note = [&](double& slices, double end) {
+    slices = end;
+    if (options.told) options.told((alone ? dealt : 0.5 * (read + dealt)) / volume.grid.dims.z);
+  };
+  std::unique_ptr<SliceSupply> supply;
+  if (alone)
+    supply = std::make_unique<ReadingSupply>(*volume.source);
+  else
+    supply = std::make_unique<DecodingSupply>(
+        volume, [&](double z) { note(read, z); }, sharing.collectives);
+  note(read, 0);
+  return deal_slices(volume.grid, *supply, {options, sharing, nullptr, [&](int end) { note(dealt, end); }});
 }
 
 std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores,
