@@ -120,24 +120,21 @@ std::vector<PlacedBlock> gather_extents(const std::vector<VoxelBlock>& mine, Col
   return placed;
 }
 
-class BlockDealer {
- public:
-  BlockDealer(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
-              std::size_t round_bytes, const Sharing& sharing)
-      : grid_(grid),
-        blocks_(mine),
-        stores_(stores),
-        round_bytes_(round_bytes),
-        sharing_(sharing),
-        collectives_(sharing.collectives),
-        scalar_(size_of(grid.type)) {}
+struct BlockDealer {
+  const Grid& grid;
+  const std::vector<VoxelBlock>& blocks;
+  std::map<int, SliceStore>& stores;
+  std::size_t round_bytes;
+  const Sharing& sharing;
+  Collectives& collectives = sharing.collectives;
+  std::size_t scalar = size_of(grid.type);
 
   /// Its own voxels first, without a message. Then in a round process p sends to p + d, p + d + 1 … and gets
   /// from p − d, p − d − 1 …: as many of them as fit into a round, or a part of what one of them gets.
   void run() {
-    const int processes = collectives_.processes();
+    const int processes = collectives.processes();
     const std::uint64_t most = agree_on_most();
-    const int at_once = int(std::clamp<std::uint64_t>(round_bytes_ / std::max<std::uint64_t>(1, most), 1,
+    const int at_once = int(std::clamp<std::uint64_t>(round_bytes / std::max<std::uint64_t>(1, most), 1,
                                                       std::uint64_t(processes)));
     place_own();
     for (int first = 1; first < processes; first += at_once) {
@@ -150,19 +147,16 @@ class BlockDealer {
         for (int d = first; d < end; ++d)
           if (const auto& all = parcels[std::size_t(d - first)]; round < all.size())
             out[std::size_t(destination(d))] = packed(all[round]);
-        for (const Block& in : collectives_.all_to_all(std::move(out))) place(in);
+        for (const Block& in : collectives.all_to_all(std::move(out))) place(in);
       }
     }
   }
 
- private:
-  int destination(int distance) const {
-    return (collectives_.process() + distance) % collectives_.processes();
-  }
+  int destination(int distance) const { return (collectives.process() + distance) % collectives.processes(); }
 
   std::size_t bytes_of(const Rows& rows) const {
-    const int width = blocks_[std::size_t(rows.block)].extent.dims().x;
-    return sizeof(RowsHeader) + std::size_t(rows.y_end - rows.y) * std::size_t(width) * scalar_;
+    const int width = blocks[std::size_t(rows.block)].extent.dims().x;
+    return sizeof(RowsHeader) + std::size_t(rows.y_end - rows.y) * std::size_t(width) * scalar;
   }
 
   /// What this process has for another, a parcel a round: cut into quarters of it, which fill it well.
@@ -170,20 +164,20 @@ class BlockDealer {
     std::vector<Parcel> all;
     std::size_t bytes = 0;  // of the last
     const auto add = [&](const Rows& rows) {
-      if (all.empty() || bytes + bytes_of(rows) > round_bytes_) {
+      if (all.empty() || bytes + bytes_of(rows) > round_bytes) {
         all.emplace_back();
         bytes = 0;
       }
       all.back().push_back(rows);
       bytes += bytes_of(rows);
     };
-    for (int b = 0; b < int(blocks_.size()); ++b) {
-      const VoxelBox& box = blocks_[std::size_t(b)].extent;
-      const auto row = std::size_t(box.dims().x) * scalar_;
-      const auto fitting = (round_bytes_ / 4 - std::min(round_bytes_ / 4, sizeof(RowsHeader))) / row;
+    for (int b = 0; b < int(blocks.size()); ++b) {
+      const VoxelBox& box = blocks[std::size_t(b)].extent;
+      const auto row = std::size_t(box.dims().x) * scalar;
+      const auto fitting = (round_bytes / 4 - std::min(round_bytes / 4, sizeof(RowsHeader))) / row;
       const int rows = int(std::clamp<std::size_t>(fitting, 1, std::size_t(box.dims().y)));
       for (int z = box.first.z; z < box.end.z; ++z)
-        for (int y = box.first.y; sharing_.process_of_slice(z) == process && y < box.end.y; y += rows)
+        for (int y = box.first.y; sharing.process_of_slice(z) == process && y < box.end.y; y += rows)
           add({b, z, y, std::min(y + rows, box.end.y)});
     }
     return all;
@@ -191,19 +185,19 @@ class BlockDealer {
 
   /// The most that one process has for another.
   std::uint64_t agree_on_most() {
-    std::vector<std::uint64_t> mine(std::size_t(collectives_.processes()), 0);
-    for (const VoxelBlock& block : blocks_) {
+    std::vector<std::uint64_t> mine(std::size_t(collectives.processes()), 0);
+    for (const VoxelBlock& block : blocks) {
       const glm::ivec3 dims = block.extent.dims();
-      const auto slice = std::uint64_t(dims.x) * std::uint64_t(dims.y) * scalar_ + sizeof(RowsHeader);
+      const auto slice = std::uint64_t(dims.x) * std::uint64_t(dims.y) * scalar + sizeof(RowsHeader);
       for (int z = block.extent.first.z; z < block.extent.end.z; ++z)
-        mine[std::size_t(sharing_.process_of_slice(z))] += slice;
+        mine[std::size_t(sharing.process_of_slice(z))] += slice;
     }
     return largest(*std::max_element(mine.begin(), mine.end()), "the bytes of its blocks");
   }
 
   std::uint64_t largest(std::uint64_t mine, const char* what) {
     std::uint64_t most = 0;
-    for (const Block& one : collectives_.all_gather(to_bytes(mine)))
+    for (const Block& one : collectives.all_gather(to_bytes(mine)))
       most = std::max(most, value_of<std::uint64_t>(one, what));
     return most;
   }
@@ -219,51 +213,43 @@ class BlockDealer {
 
   /// Copies rows of voxels to where each lies `row` bytes behind the one before.
   void copy(const Rows& rows, std::byte* to, std::size_t row) const {
-    const auto& [extent, first, strides] = blocks_[std::size_t(rows.block)];
+    const auto& [extent, first, strides] = blocks[std::size_t(rows.block)];
     for (int y = rows.y; y < rows.y_end; ++y, to += row)
-      copy_row(scalar_, first + (rows.z - extent.first.z) * strides.z + (y - extent.first.y) * strides.y,
+      copy_row(scalar, first + (rows.z - extent.first.z) * strides.z + (y - extent.first.y) * strides.y,
                strides.x, extent.dims().x, to);
   }
 
   std::byte* pack(const Rows& rows, std::byte* to) const {
-    const VoxelBox& extent = blocks_[std::size_t(rows.block)].extent;
+    const VoxelBox& extent = blocks[std::size_t(rows.block)].extent;
     const RowsHeader header{rows.z, rows.y, rows.y_end, extent.first.x, extent.end.x};
     std::memcpy(to, &header, sizeof header);
-    copy(rows, to + sizeof header, std::size_t(extent.dims().x) * scalar_);
+    copy(rows, to + sizeof header, std::size_t(extent.dims().x) * scalar);
     return to + bytes_of(rows);
   }
 
   void place_own() {
-    for (const Parcel& parcel : parcels_for(collectives_.process()))
+    for (const Parcel& parcel : parcels_for(collectives.process()))
       for (const Rows& rows : parcel)
-        copy(rows, voxel(rows.z, rows.y, blocks_[std::size_t(rows.block)].extent.first.x), slice_row());
+        copy(rows, voxel(rows.z, rows.y, blocks[std::size_t(rows.block)].extent.first.x), slice_row());
   }
 
-  std::size_t slice_row() const { return std::size_t(grid_.dims.x) * scalar_; }
+  std::size_t slice_row() const { return std::size_t(grid.dims.x) * scalar; }
 
   /// Where a voxel of one of this process's slices lies.
   std::byte* voxel(int z, int y, int x) {
-    std::byte* slice = stores_.at(sharing_.dealing.owner_of(z)).values(Axis::z, z).data();
-    return slice + std::size_t(y) * slice_row() + std::size_t(x) * scalar_;
+    std::byte* slice = stores.at(sharing.dealing.owner_of(z)).values(Axis::z, z).data();
+    return slice + std::size_t(y) * slice_row() + std::size_t(x) * scalar;
   }
 
   void place(std::span<const std::byte> in) {
     for (std::size_t at = 0; at < in.size();) {
       const auto rows = next_value<RowsHeader>(in, at);
-      const auto row = std::size_t(rows.x_end - rows.x) * scalar_;
+      const auto row = std::size_t(rows.x_end - rows.x) * scalar;
       std::byte* to = voxel(rows.z, rows.y, rows.x);
       for (int y = rows.y; y < rows.y_end; ++y, at += row, to += slice_row())
         std::memcpy(to, in.data() + at, row);
     }
   }
-
-  const Grid& grid_;
-  const std::vector<VoxelBlock>& blocks_;
-  std::map<int, SliceStore>& stores_;
-  std::size_t round_bytes_;
-  const Sharing& sharing_;
-  Collectives& collectives_;
-  std::size_t scalar_;
 };
 
 }  // namespace
@@ -282,7 +268,7 @@ void check_cover(const Grid& grid, const std::vector<PlacedBlock>& blocks) {
 
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
                  std::size_t round_bytes, const Sharing& sharing) {
-  BlockDealer(grid, mine, stores, round_bytes, sharing).run();
+  BlockDealer{grid, mine, stores, round_bytes, sharing}.run();
 }
 
 }  // namespace ringsplat
