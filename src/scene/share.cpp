@@ -127,50 +127,34 @@ void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collecti
 
 namespace {
 
-class MergingAll final : public Merging {
- public:
-  explicit MergingAll(Collectives& collectives) : collectives_(collectives) {}
-
-  void merge(ValueTally& tally) override {
-    merge_heads(tally);
-    collectives_.sum(tally.counts);
-    merge_distinct(tally.distinct);
-  }
-
-  void sum(std::vector<std::uint64_t>& counts) override { collectives_.sum(counts); }
-
- private:
-  void merge_heads(ValueTally& tally) {
-    const Block mine = to_bytes(tally.range, tally.fill, tally.distinct.overflown());
-    tally.range = {};
-    tally.fill = 0;
-    for (const Block& block : collectives_.all_gather(mine)) {
-      ValueRange range;
-      std::uint64_t fill = 0;
-      bool overflown = false;
-      read_block(block, "the range of its values", range, fill, overflown);
-      tally.range.merge(range);
-      tally.fill += fill;
-      if (overflown) tally.distinct.overflow();
-    }
-  }
-
-  /// All know whether one has overflown.
-  void merge_distinct(DistinctValues& distinct) {
-    if (distinct.overflown()) return;
-    using Values = std::vector<double>;
-    for (const Block& block : to_process_0(collectives_, to_bytes(distinct.sorted())))
-      distinct.merge(value_of<Values>(block, "its different values"));
+void merge_heads(ValueTally& tally, Collectives& collectives) {
+  const Block mine = to_bytes(tally.range, tally.fill, tally.distinct.overflown());
+  tally.range = {};
+  tally.fill = 0;
+  for (const Block& block : collectives.all_gather(mine)) {
+    ValueRange range;
+    std::uint64_t fill = 0;
     bool overflown = false;
-    Values all;
-    read_block(collectives_.broadcast(to_bytes(distinct.overflown(), distinct.sorted()), 0),
-               "all different values", overflown, all);
-    if (overflown) distinct.overflow();
-    distinct.merge(all);
+    read_block(block, "the range of its values", range, fill, overflown);
+    tally.range.merge(range);
+    tally.fill += fill;
+    if (overflown) tally.distinct.overflow();
   }
+}
 
-  Collectives& collectives_;
-};
+/// All know whether one has overflown.
+void merge_distinct(DistinctValues& distinct, Collectives& collectives) {
+  if (distinct.overflown()) return;
+  using Values = std::vector<double>;
+  for (const Block& block : to_process_0(collectives, to_bytes(distinct.sorted())))
+    distinct.merge(value_of<Values>(block, "its different values"));
+  bool overflown = false;
+  Values all;
+  read_block(collectives.broadcast(to_bytes(distinct.overflown(), distinct.sorted()), 0),
+             "all different values", overflown, all);
+  if (overflown) distinct.overflow();
+  distinct.merge(all);
+}
 
 }  // namespace
 
@@ -186,7 +170,13 @@ ValueStatistics share_values(const std::map<int, SliceStore>& stores, const Grid
       visit(std::span(store.slice(*kept, s).values, grid.slice_bytes(*kept)), grid.slice_width(*kept));
     });
   };
-  return describe_values({grid.type, notes.fill}, grid.dims, notes, pass, MergingAll(collectives));
+  const auto sum = [&](std::vector<std::uint64_t>& counts) { collectives.sum(counts); };
+  const auto merge = [&](ValueTally& tally) {
+    merge_heads(tally, collectives);
+    sum(tally.counts);
+    merge_distinct(tally.distinct, collectives);
+  };
+  return describe_values({grid.type, notes.fill}, grid.dims, notes, pass, {merge, sum});
 }
 
 }  // namespace ringsplat

@@ -82,7 +82,7 @@ Bins bins_of(const Histogram& h) {
   return bins;
 }
 
-void count_histogram(ValueStatistics& s, const Bins& keys, const Pass& pass, Merging& merging) {
+void count_histogram(ValueStatistics& s, const Bins& keys, const Pass& pass, const Merging& merging) {
   const KeptBins kept = without_outliers(keys);
   s.histogram = Histogram(keys[kept.first].low, std::min(keys[kept.last].high, s.range.high), histogram_bins);
   const bool exact = ValueTally::is_exact(s.kind.type);
@@ -121,7 +121,7 @@ void count_row(std::span<const T> row, const PlaceOf& place_of, std::vector<std:
   }
 }
 
-void count_neighbours(ValueStatistics& s, const Pass& pass, Merging& merging) {
+void count_neighbours(ValueStatistics& s, const Pass& pass, const Merging& merging) {
   constexpr double most = 1 << 16;
   const auto& labels = s.labels;
   const double span = labels.back() - labels.front() + 1;
@@ -189,7 +189,7 @@ double ValueStatistics::quantile(double share) const {
 }
 
 ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const VolumeNotes& notes,
-                                const Pass& pass, Merging&& merging) {
+                                const Pass& pass, const Merging& merging) {
   ValueStatistics s;
   s.kind = kind;
   s.dims = dims;

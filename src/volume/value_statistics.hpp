@@ -117,18 +117,16 @@ using RowVisitor = std::function<void(std::span<const std::byte> rows, int width
 using Pass = std::function<void(const RowVisitor&)>;
 
 /// Puts together what processes have counted. One process has nothing to do.
-class Merging {
- public:
-  virtual ~Merging() = default;
-  virtual void merge(ValueTally&) {}
-  virtual void sum(std::vector<std::uint64_t>&) {}
+struct Merging {
+  std::function<void(ValueTally&)> merge = [](ValueTally&) {};
+  std::function<void(std::vector<std::uint64_t>&)> sum = [](std::vector<std::uint64_t>&) {};
 };
 
 /// Goes through the values one to three times: counts by key, equal bins of types whose values have no key of
 /// their own, and neighbours where there are few different whole numbers. The same on all processes, for any
 /// number of them.
 ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const VolumeNotes& notes,
-                                const Pass& pass, Merging&& merging = Merging());
+                                const Pass& pass, const Merging& merging = {});
 
 /// Of a histogram alone.
 ValueStatistics describe_values(const Histogram& histogram);
