@@ -13,10 +13,12 @@ class ForwardingSource : public VolumeSource {
   /// `source` must outlive it. `grid`: what it says of the lattice instead.
   explicit ForwardingSource(VolumeSource& source, const std::optional<Grid>& grid = {})
       : source_(source), grid_(grid.value_or(source.grid())) {}
-  /// Of a source that it owns.
-  explicit ForwardingSource(std::unique_ptr<VolumeSource> source, const std::optional<Grid>& grid = {})
+  /// Of a source that it owns. `notes`: what it says of its volume instead.
+  explicit ForwardingSource(std::unique_ptr<VolumeSource> source, const std::optional<Grid>& grid = {},
+                            std::optional<VolumeNotes> notes = {})
       : ForwardingSource(*source, grid) {
     owned_ = std::move(source);
+    notes_ = std::move(notes);
   }
   const Grid& grid() const final { return grid_; }
   bool concurrent() const override { return source_.concurrent(); }
@@ -24,7 +26,7 @@ class ForwardingSource : public VolumeSource {
     source_.read_slices(first, count, out);
   }
   int layer_depth() const override { return source_.layer_depth(); }
-  VolumeNotes notes() const override { return source_.notes(); }
+  VolumeNotes notes() const final { return notes_ ? *notes_ : source_.notes(); }
   Facts facts() const override { return source_.facts(); }
 
  protected:
@@ -33,20 +35,12 @@ class ForwardingSource : public VolumeSource {
  private:
   std::unique_ptr<VolumeSource> owned_;
   Grid grid_;
+  std::optional<VolumeNotes> notes_;
 };
 
 /// A source that says `notes` of its volume.
-class NotedSource final : public ForwardingSource {
- public:
-  NotedSource(std::unique_ptr<VolumeSource> source, VolumeNotes notes)
-      : ForwardingSource(std::move(source)), notes_(std::move(notes)) {}
-  VolumeNotes notes() const override { return notes_; }
-
- private:
-  VolumeNotes notes_;
-};
 inline std::unique_ptr<VolumeSource> with_notes(std::unique_ptr<VolumeSource> source, VolumeNotes notes) {
-  return std::make_unique<NotedSource>(std::move(source), std::move(notes));
+  return std::make_unique<ForwardingSource>(std::move(source), std::nullopt, std::move(notes));
 }
 
 }  // namespace ringsplat
