@@ -144,6 +144,7 @@ void take_channel(ScalarType type, int components, ChannelChoice choice, std::sp
 }
 
 Grid interleaved_grid(const Grid& grid, int components, const std::string& where) {
+  check_lattice(grid, where);
   if (components < 1 || grid.dims.x > std::numeric_limits<int>::max() / components)
     refuse(where, "correct the sizes in the header", "rows of {} voxels of {} numbers", grid.dims.x,
            components);

@@ -45,7 +45,8 @@ void take_channel(ScalarType type, int components, ChannelChoice choice, std::sp
                   std::span<std::byte> out);
 
 /// The grid of a volume whose voxels are `components` numbers of grid.type, as a scalar volume with rows that
-/// are so much longer: what readers of interleaved voxels are given. Throws InputError when that overflows.
+/// are so much longer: what readers of interleaved voxels are given. Throws InputError when that overflows,
+/// and as check_lattice() does.
 Grid interleaved_grid(const Grid& grid, int components, const std::string& where);
 
 /// The scalar volume `grid` in a source of interleaved_grid(grid, components); that source itself for one.

@@ -163,7 +163,6 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
   const int channels = int(first->microscopy.channels);
   notes.channels = channels > 1 ? channels : first->samples;
   if (channels > 1) notes.of_channels = first->microscopy.of_channels;
-  check_lattice(grid, path.string());
   std::unique_ptr<VolumeSource> source = std::make_unique<TiffSource>(
       interleaved_grid(grid, first->samples, path.string()), std::move(slices), first->samples);
   return with_notes(channel_source(std::move(source), grid, first->samples, taken.sample), notes);

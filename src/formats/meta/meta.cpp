@@ -81,7 +81,6 @@ class MetaReader {
     header.channels = int(channels);
     header.dimensions = read_dimensions();
     header.grid = read_grid(std::size_t(header.dimensions), header.frames);
-    check_lattice(header.grid, file_.path().string());
     return header;
   }
 

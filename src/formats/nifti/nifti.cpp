@@ -353,7 +353,6 @@ std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, cons
   const auto voxel = voxel_of(header);
   Grid grid = nifti_grid(header);
   grid.type = voxel.type;
-  check_lattice(grid, where);
   auto wide = interleaved_grid(grid, voxel.colours, where);
   const int frames = int(header.dims[4]), vectors = vectors_of(header);
   if (vectors > 1 && voxel.colours > 1) refuse(where, "extract one of them", "{} colours a voxel", vectors);

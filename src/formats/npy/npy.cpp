@@ -160,7 +160,6 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
     std::swap(grid.dims.x, grid.dims.z);
     std::swap(grid.direction[0], grid.direction[2]);
   }
-  check_lattice(grid, path.string());
   auto wide = interleaved_grid(grid, axes.components, path.string());
   StoredVoxels stored{.file = path,
                       .offset = header.end,

@@ -104,7 +104,6 @@ class Reader {
     }
     if (!has_encoding_) fail("is neither ASCII nor BINARY");
     if (header_.components < 1) fail_line();
-    check_lattice(header_.grid, file_.path().string());
     header_.end = text_.position();
     if (const auto next = text_.line(); next && lower_case(*next).starts_with("lookup_table"))
       header_.end = text_.position();
