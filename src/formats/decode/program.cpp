@@ -1,6 +1,5 @@
 #include "formats/decode/program.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -79,11 +78,6 @@ int DecodeProgram::end() {
 bool DecodeProgram::ended() const {
   const std::lock_guard lock(mutex_);
   return ended_ || ::getpid() != owner_;  // a copy of the process that it belongs to
-}
-
-std::uint32_t DecodeProgram::new_source() {
-  const std::lock_guard lock(mutex_);
-  return ++sources_;
 }
 
 void DecodeProgram::close(std::uint32_t source) {

@@ -30,7 +30,6 @@ class DecodeProgram {
   /// Says that a source is no longer needed.
   void close(std::uint32_t source);
 
-  std::uint32_t new_source();
   bool ended() const;
   pid_t id() const { return child_; }
 
@@ -41,7 +40,6 @@ class DecodeProgram {
   mutable std::mutex mutex_;
   pid_t owner_, child_ = 0;
   int socket_ = -1, memory_ = -1;
-  std::uint32_t sources_ = 0;  ///< that were ever opened
   bool ended_ = false;
 };
 

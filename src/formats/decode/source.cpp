@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <atomic>
 
 #include "formats/decode/program.hpp"
 #include "formats/formats.hpp"
@@ -49,7 +50,8 @@ class DecodedSource final : public VolumeSource {
  private:
   DecodedVolume open_anew() const {
     program_ = DecodeProgram::running();
-    request_.source = program_->new_source();
+    static std::atomic<std::uint32_t> sources = 0;  // that were ever opened
+    request_.source = ++sources;
     return program_->ask(request_, library_, request_.path).volume;
   }
 
