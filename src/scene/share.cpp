@@ -116,12 +116,11 @@ void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collecti
     for_each_owned(stores, axis, [&](const SliceStore& store, int s) {
       mine.push_back(slice_range(store.slice(axis, s)));
     });
-  std::vector<SliceRange> all;
-  for (const Block& one : collectives.all_gather(to_bytes(mine))) {
-    const auto its = value_of<std::vector<SliceRange>>(one, "its slices' ranges");
-    all.insert(all.end(), its.begin(), its.end());
-  }
-  const auto ranges = std::make_shared<const SliceRanges>(all);
+  const auto ranges = std::make_shared<SliceRanges>();
+  for (const Block& one : collectives.all_gather(to_bytes(mine)))
+    for (const SliceRange& range : value_of<std::vector<SliceRange>>(one, "its slices' ranges"))
+      (*ranges)[std::size_t(range.axis)].push_back(range);
+  for (auto& of_axis : *ranges) std::ranges::sort(of_axis, {}, &SliceRange::slice);
   for (auto& [gp, store] : stores) store.know_ranges(ranges);
 }
 

@@ -270,11 +270,10 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
 
   /// Of all the whole volume's slices, other GPs' too, so that a clip box changes no table.
   void find_volume_range() {
-    if (const SliceRanges* ranges = store_.ranges())
-      for (const SliceRange& range : ranges->of(axis())) {
-        low_ = std::min(low_, range.low);
-        high_ = std::max(high_, range.high);
-      }
+    for (const SliceRange& range : store_.ranges(axis())) {
+      low_ = std::min(low_, range.low);
+      high_ = std::max(high_, range.high);
+    }
   }
 
   SliceBlocks& blocks_;

@@ -129,11 +129,10 @@ std::span<const BlockState> SliceBlocks::of(const SliceStore& store, const Voxel
 std::vector<bool> shown_slices(const SliceStore& store, const VoxelBox& box, Axis axis, int reach,
                                const TransparentValues& transparent) {
   const int first = box.first[static_cast<int>(axis)], slices = box.dims()[static_cast<int>(axis)];
-  const SliceRanges* known = store.ranges();
-  if (known == nullptr || known->of(axis).empty())
-    return std::vector<bool>(static_cast<std::size_t>(slices), true);
+  const auto& known = store.ranges(axis);
+  if (known.empty()) return std::vector<bool>(static_cast<std::size_t>(slices), true);
   const auto range_of = [&](int slice) -> const SliceRange& {
-    return known->of(axis)[std::size_t(first + std::clamp(slice, 0, slices - 1))];
+    return known[std::size_t(first + std::clamp(slice, 0, slices - 1))];
   };
   std::vector<bool> shown(std::size_t(slices), false);
   for (int s = -1; s < slices; ++s) {

@@ -44,8 +44,8 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
   std::vector<int> shown() override {
     // Of the whole volume, other GPs' too.
     std::vector<bool> may_show(std::size_t(store_.grid().slices(axis())), true);
-    if (skip_empty_ && store_.ranges() != nullptr)
-      for (const SliceRange& range : store_.ranges()->of(axis()))
+    if (skip_empty_)
+      for (const SliceRange& range : store_.ranges(axis()))
         may_show[std::size_t(range.slice)] =
             frame_->shown.transfer_function.visible_within(range.low, range.high);
     const int first = geometry().box.first[static_cast<int>(axis())];

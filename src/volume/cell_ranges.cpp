@@ -1,5 +1,6 @@
 #include "volume/cell_ranges.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 

@@ -33,7 +33,17 @@ struct SliceView {
   }
 };
 
-class SliceRanges;
+/// The smallest and the largest value of a slice, infinities included. Not-a-number is ignored; low > high
+/// when the slice has nothing else.
+struct SliceRange {
+  Axis axis = Axis::z;
+  int slice = 0;
+  double low = 0, high = 0;
+};
+/// Of all slices of a volume, other GPs' too, by axis and slice, so that every GP knows which slices a
+/// transfer function makes transparent; for each axis all or none.
+using SliceRanges = std::array<std::vector<SliceRange>, 3>;
+
 class CellRanges;
 
 /// The slices of every kept axis that a GP owns. They start out zero. Copies share their memory.
@@ -74,9 +84,9 @@ class SliceStore {
   /// This store for factor 1. Throws RunError when there is no such level.
   const SliceStore& level(int factor) const;
 
-  /// The value ranges of all slices, other GPs' too; null when unknown.
+  /// The value ranges of all slices of an axis, other GPs' too; none when unknown.
   void know_ranges(std::shared_ptr<const SliceRanges> ranges) { ranges_ = std::move(ranges); }
-  const SliceRanges* ranges() const { return ranges_.get(); }
+  const std::vector<SliceRange>& ranges(Axis axis) const { return (*ranges_)[std::size_t(axis)]; }
 
   /// The ranges of the cells of an owned slice, or of one next to it or next but one.
   void know_cell_ranges(Axis axis, int index, std::shared_ptr<const CellRanges> ranges) {
@@ -106,7 +116,7 @@ class SliceStore {
   VoxelBox normals_within_;
   std::array<Set, 3> sets_;
   std::map<int, SliceStore> levels_;  ///< by factor
-  std::shared_ptr<const SliceRanges> ranges_;
+  std::shared_ptr<const SliceRanges> ranges_ = std::make_shared<const SliceRanges>();
   std::array<std::map<int, std::shared_ptr<const CellRanges>>, 3> cell_ranges_;  ///< by axis and slice
 };
 

@@ -76,7 +76,7 @@ FrameSpec spec_for(const Method& how, Shading shading, const Camera& camera) {
 /// The range of all voxels of a level, which sheets' tables depend on.
 SliceRange range_of(const SliceStore& store, Axis axis) {
   SliceRange all{axis, 0, INFINITY, -INFINITY};
-  for (const SliceRange& r : store.ranges()->of(axis)) {
+  for (const SliceRange& r : store.ranges(axis)) {
     all.low = std::min(all.low, r.low);
     all.high = std::max(all.high, r.high);
   }
@@ -87,11 +87,12 @@ SliceRange range_of(const SliceStore& store, Axis axis) {
 void tell_range(std::map<int, SliceStore>& parts, const SliceStore& whole, int factor) {
   for (auto& [gp, store] : parts) {
     SliceStore level = store.level(factor);
-    std::vector<SliceRange> ranges;
+    SliceRanges ranges;
     for (const Axis axis : all_axes)
       for (int s = 0; level.keeps(axis) && s < level.grid().slices(axis); ++s) {
-        ranges.push_back(range_of(whole.level(factor), axis));
-        ranges.back().slice = s;
+        auto& of_axis = ranges[std::size_t(axis)];
+        of_axis.push_back(range_of(whole.level(factor), axis));
+        of_axis.back().slice = s;
       }
     level.know_ranges(std::make_shared<const SliceRanges>(ranges));
     if (factor == 1)

@@ -77,8 +77,9 @@ class SheetSection final : public SectionPainter {
         box_(box_around(whole_, axis, setup.section)) {
     if (setup.section.slices() < 1) return;
     store_ = read_part(setup.source, box_, axis);
-    store_.know_ranges(
-        std::make_shared<const SliceRanges>(std::vector<SliceRange>{SliceRange{axis, 0, low, high}}));
+    SliceRanges ranges;
+    ranges[std::size_t(axis)].push_back({axis, 0, low, high});
+    store_.know_ranges(std::make_shared<const SliceRanges>(ranges));
   }
 
   Drawn draw(const FrameSpec& spec, Image& picture) override {

@@ -55,19 +55,3 @@ TEST_CASE("not-a-number takes no part in a block's range") {
   CHECK(ranges.range(1, 0).low == -double(infinity));
   CHECK(ranges.range(1, 0).high == 3);
 }
-
-TEST_CASE("slices' ranges are kept by axis and slice, in whatever order they come") {
-  const SliceRanges ranges({{Axis::x, 2, 20, 21},
-                            {Axis::z, 1, 5, 6},
-                            {Axis::x, 0, 0, 1},
-                            {Axis::z, 0, 3, 4},
-                            {Axis::x, 1, 10, 11}});
-  CHECK(ranges.of(Axis::y).empty());
-  REQUIRE(ranges.of(Axis::x).size() == 3);
-  for (int slice = 0; slice < 3; ++slice) {
-    CHECK(ranges.of(Axis::x)[std::size_t(slice)].slice == slice);
-    CHECK(ranges.of(Axis::x)[std::size_t(slice)].low == 10 * slice);
-  }
-  REQUIRE(ranges.of(Axis::z).size() == 2);
-  CHECK(ranges.of(Axis::z)[1].high == 6);
-}
