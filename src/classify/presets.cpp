@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/text.hpp"
 #include "classify/auto_preset.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
@@ -110,10 +111,9 @@ TransferFunction preset(const std::string& name, const Histogram& histogram) {
   if (name == automatic) return choose_function(describe_values(histogram)).function;
   for (const auto& table : tables())
     if (table.name.name == name) return from_table(table, range_of(histogram));
-  std::string list;
-  for (const auto& known : preset_names()) list += (list.empty() ? "" : ", ") + known.name;
   throw InputError(fmt::format("there is no transfer function \"{}\"", name),
-                   fmt::format("use one of {} or a ParaView colour map (.json)", list));
+                   fmt::format("use one of {} or a ParaView colour map (.json)",
+                               detail::joined(preset_names(), ", ", &PresetName::name)));
 }
 
 }  // namespace ringsplat
