@@ -96,7 +96,7 @@ std::string shared_cores_warning(int threads, const std::vector<Place>& places, 
 
 void settle_ranks(Job& job, Launch& launch) {
   const RunOptions& run = job.options.run;
-  launch.collectives().set_patience({run.protocol.stall_timeout, run.protocol.stall_ends});
+  launch.collectives().patience = {run.protocol.stall_timeout, run.protocol.stall_ends};
   for (const Block& one : launch.collectives().all_gather(to_bytes(Place{host_name(), allowed_cores()})))
     job.places.push_back(from_bytes<Place>(one).value());
   job.layout = choose_layout(run, launch.over_mpi(), launch.ranks(), ranks_with_cores(job.places));

@@ -143,14 +143,11 @@ std::vector<std::filesystem::path> own_search_path() {
   return folders;
 }
 
-void prefer_huge_pages(void* memory, std::size_t bytes) {
+void prefer_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
   constexpr std::size_t page = std::size_t{1} << 21;
   void* aligned = memory;
   if (std::align(page, page, aligned, bytes) != nullptr) madvise(aligned, bytes, MADV_HUGEPAGE);
-#else
-  static_cast<void>(memory);
-  static_cast<void>(bytes);
 #endif
 }
 

@@ -27,7 +27,7 @@ void limit_time(std::uint64_t bytes) {
 }
 
 /// What libraries reserve for each thread counts, too. Sanitizers reserve any amount.
-void limit_memory(std::uint64_t bytes) {
+void limit_memory([[maybe_unused]] std::uint64_t bytes) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   constexpr std::uint64_t least = std::uint64_t{2} << 30, of_a_thread = std::uint64_t{160} << 20;
   constexpr std::uint64_t copies = 4;  // encoded, decoded, rescaled, handed over
@@ -37,8 +37,6 @@ void limit_memory(std::uint64_t bytes) {
   const auto more = least + std::thread::hardware_concurrency() * of_a_thread;
   const auto wanted = std::min(bytes, ~std::uint64_t{0} / (2 * copies)) * copies;
   set_limit(RLIMIT_AS, used + more + wanted);
-#else
-  static_cast<void>(bytes);
 #endif
 }
 

@@ -305,7 +305,7 @@ class MpiCollectives final : public Collectives {
   }
 
   void begin_watch(const std::string& what, bool at_work) override {
-    if (std::isfinite(patience().seconds)) watch_.emplace(comm_.get(), what, patience(), at_work);
+    if (std::isfinite(patience.seconds)) watch_.emplace(comm_.get(), what, patience, at_work);
   }
   void end_watch() override { watch_.reset(); }
 

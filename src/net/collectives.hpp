@@ -34,18 +34,13 @@ class Collectives {
   /// ascending. Elsewhere: returns nothing, at once.
   virtual std::vector<int> absent(double seconds) = 0;
 
-  void set_patience(const Patience& patience) { patience_ = patience; }
-  const Patience& patience() const { return patience_; }
+  Patience patience;
+
   /// Until end_watch() processes that keep others waiting are named on stderr, as in "rank 3 has been reading
   /// head.nrrd for 30 s", where `what` is "reading head.nrrd". `at_work`: processes work between the calls,
   /// for how long nobody knows, and only who makes no headway is named. Not collective, but all make it.
-  virtual void begin_watch(const std::string& what, bool at_work) {
-    static_cast<void>(what), static_cast<void>(at_work);
-  }
+  virtual void begin_watch(const std::string& /*what*/, bool /*at_work*/) {}
   virtual void end_watch() {}
-
- private:
-  Patience patience_;
 };
 
 /// While it lives, processes that keep others waiting are named.

@@ -33,14 +33,11 @@ class Transport {
   /// Waits as wait_next() while no frame is under way on this rank, and then ever longer, up to some
   /// milliseconds. `sleep`, if any, does the sleeping; it may end sooner.
   using Sleep = std::function<void(std::chrono::nanoseconds)>;
-  virtual void wait_between_frames(const Sleep& sleep) {
-    static_cast<void>(sleep);
-    wait_next();
-  }
+  virtual void wait_between_frames(const Sleep& /*sleep*/) { wait_next(); }
   /// Tells that work was done since the last wait, so that the next wait begins by polling again.
   virtual void note_progress() {}
   /// Tells that from now on only the first `ranks` ranks have work, so that the others keep off the cores.
-  virtual void only_first_work(int ranks) { static_cast<void>(ranks); }
+  virtual void only_first_work(int /*ranks*/) {}
 };
 
 /// Forwards everything to another transport; derived ones override what they change.

@@ -80,7 +80,7 @@ Outcome Launch::run_on_rank_0(const std::function<ExitCode()>& work) {
 }
 
 void Launch::take_leave() {
-  const auto& [seconds, ends] = collectives_->patience();
+  const auto& [seconds, ends] = collectives_->patience;
   if (simulated() || !ends) return;
   const std::vector<int> absent = collectives_->absent(seconds);
   if (absent.empty()) return;

@@ -99,7 +99,7 @@ struct Session::State {
     protocol = running_ahead;
     if (layout.topology != Topology::ring) protocol.send_ahead = 0;
     protocol.stall_timeout = options.stall_timeout;
-    wiring.collectives.set_patience({options.stall_timeout, false});
+    wiring.collectives.patience = {options.stall_timeout, false};
     // Several processes would wait for one that ends a call by itself.
     if (wiring.transport == nullptr) wiring.loopback.poll = options.poll;
   }
