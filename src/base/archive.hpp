@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/byte_stream.hpp"
+#include "ringsplat/base/fact.hpp"
 
 /// Structs as bytes, between processes of one build. A struct names its fields once for both ways, in a
 /// template `fields(value, archive)` that calls archive(field...), or archive("name", field).
@@ -110,5 +111,7 @@ std::optional<T> from_bytes(std::span<const std::byte> bytes) {
   if (!archive.ok() || !archive.at_end()) return {};
   return value;
 }
+
+void fields(Fact& fact, auto& archive) { archive(fact.field, fact.value); }
 
 }  // namespace ringsplat

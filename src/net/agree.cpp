@@ -8,12 +8,6 @@
 #include "net/blocks.hpp"
 
 namespace ringsplat {
-
-template <class Archive>
-void fields(Fact& fact, Archive& archive) {
-  archive(fact.field, fact.value);
-}
-
 namespace {
 
 /// The first field that differs, among process 0's fields first, then among the other's.

@@ -102,7 +102,6 @@ void fields(detail::StoredVoxels& stored, auto& archive) {
 void fields(detail::DecodedVolume& volume, auto& archive) {
   archive(volume.grid, volume.concurrent, volume.layer_depth, volume.notes, volume.in_place);
 }
-void fields(Fact& fact, auto& archive) { archive(fact.field, fact.value); }
 void fields(detail::DecodeAnswer::LogLine& line, auto& archive) { archive(line.level, line.text); }
 void fields(detail::DecodeAnswer::Failure& failure, auto& archive) { archive(failure.code, failure.what); }
 void fields(detail::DecodeAnswer& answer, auto& archive) {
