@@ -22,8 +22,6 @@ class OutputFile {
   /// Makes the hidden file, in a folder that must exist.
   explicit OutputFile(std::filesystem::path path);
   ~OutputFile();
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t size() const { return size_; }  ///< bytes so far

@@ -23,15 +23,11 @@ std::atomic<unsigned> begun = 0, ended = 0;
 struct CallerOrder {
   CallerOrder() { begun.fetch_add(1, std::memory_order_release); }
   ~CallerOrder() { static_cast<void>(ended.load(std::memory_order_acquire)); }
-  CallerOrder(const CallerOrder&) = delete;
-  CallerOrder& operator=(const CallerOrder&) = delete;
 };
 
 struct LaneOrder {
   LaneOrder() { static_cast<void>(begun.load(std::memory_order_acquire)); }
   ~LaneOrder() { ended.fetch_add(1, std::memory_order_release); }
-  LaneOrder(const LaneOrder&) = delete;
-  LaneOrder& operator=(const LaneOrder&) = delete;
 };
 
 }  // namespace

@@ -2,7 +2,6 @@
 #include <functional>
 #include <map>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "net/collectives.hpp"

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
 #include <type_traits>
