@@ -49,17 +49,9 @@ struct SinCos {
 inline SinCos sin_cos_degrees(double degrees) {
   int quadrant = 0;
   const double rest = std::remquo(degrees, 90.0, &quadrant) * (std::numbers::pi / 180.0);
-  const double s = std::sin(rest), c = std::cos(rest);
-  switch (quadrant & 3) {
-    case 0:
-      return {s, c};
-    case 1:
-      return {c, -s};
-    case 2:
-      return {-s, -c};
-    default:
-      return {-c, s};
-  }
+  SinCos turned{std::sin(rest), std::cos(rest)};
+  for (int turns = quadrant & 3; turns > 0; --turns) turned = {turned.cosine, -turned.sine};
+  return turned;
 }
 
 }  // namespace ringsplat
