@@ -12,6 +12,7 @@
 #include "formats/limits.hpp"
 #include "formats/signatures.hpp"
 #include "formats/volume_files.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -130,9 +131,8 @@ ScalarType voxel_type(const std::filesystem::path& file, const std::string& name
 }
 
 void widen_halves(std::span<const std::byte> halves, std::span<std::byte> floats) {
-  const auto* begin = reinterpret_cast<const std::uint16_t*>(halves.data());
-  std::transform(begin, begin + halves.size() / sizeof(std::uint16_t),
-                 reinterpret_cast<float*>(floats.data()), glm::unpackHalf1x16);
+  std::ranges::transform(typed<std::uint16_t>(halves), reinterpret_cast<float*>(floats.data()),
+                         glm::unpackHalf1x16);
 }
 
 void doubles_of_integers(std::span<std::byte> values, bool is_signed, const std::string& where) {
@@ -152,14 +152,11 @@ void doubles_of_integers(std::span<std::byte> values, bool is_signed, const std:
 
 void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> in, ScalarType to,
            std::span<std::byte> out) {
-  visit_type(from, [&](auto stored) {
-    visit_type(to, [&](auto wanted) {
-      using Stored = decltype(stored);
-      using Wanted = decltype(wanted);
-      const auto* values = reinterpret_cast<const Stored*>(in.data());
-      auto* results = reinterpret_cast<Wanted*>(out.data());
-      for (std::size_t i = 0; i < in.size() / sizeof(Stored); ++i)
-        results[i] = Wanted(rescale.slope * double(values[i]) + rescale.intercept);
+  for_values(from, in, [&](auto stored) {
+    visit_type(to, [&](auto zero) {
+      auto* result = reinterpret_cast<decltype(zero)*>(out.data());
+      for (const auto value : stored)
+        *result++ = decltype(zero)(rescale.slope * double(value) + rescale.intercept);
     });
   });
 }

@@ -19,6 +19,7 @@
 #include "formats/volume_files.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -31,13 +32,12 @@ struct DicomFrame {
 
 /// Makes `voxels` the mean of itself and `next`, of which `part` counts; whole numbers are rounded.
 void mix(ScalarType type, std::span<const std::byte> next, double part, std::span<std::byte> voxels) {
-  visit_type(type, [&](auto zero) {
-    using T = decltype(zero);
-    const auto* const other = reinterpret_cast<const T*>(next.data());
-    auto* const values = reinterpret_cast<T*>(voxels.data());
-    for (std::size_t i = 0; i < voxels.size() / sizeof(T); ++i) {
-      const double mean = (1 - part) * double(values[i]) + part * double(other[i]);
-      values[i] = T(std::is_integral_v<T> ? std::nearbyint(mean) : mean);
+  for_values(type, next, [&](auto others) {
+    using T = typename decltype(others)::value_type;
+    auto* value = reinterpret_cast<T*>(voxels.data());
+    for (const T other : others) {
+      const double mean = (1 - part) * double(*value) + part * double(other);
+      *value++ = T(std::is_integral_v<T> ? std::nearbyint(mean) : mean);
     }
   });
 }

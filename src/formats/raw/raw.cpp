@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <optional>
 #include <regex>
 #include <span>
@@ -15,6 +14,7 @@
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
 #include "formats/stored_source.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -43,9 +43,7 @@ double usual_part(std::vector<std::byte> bytes, bool big_endian) {
   to_native_order(bytes, sizeof(T), big_endian);
   constexpr double least = 1e-12, most = 1e12;
   std::size_t usual = 0, all = 0;
-  for (std::size_t at = 0; at + sizeof(T) <= bytes.size(); at += sizeof(T)) {
-    T number;
-    std::memcpy(&number, bytes.data() + at, sizeof number);
+  for (const T number : typed<T>(bytes)) {
     const double size = std::abs(double(number));
     if (size >= least && size <= most) ++usual;
     if (size != 0) ++all;
