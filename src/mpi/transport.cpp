@@ -151,11 +151,9 @@ class MpiTransport final : public Transport {
   static bool has_cores_for(int ranks) { return ranks <= sysconf(_SC_NPROCESSORS_ONLN); }
 
   void start(Sending& sending, std::span<const std::byte> part, int destination, int tag) {
-    MPI_Request request = MPI_REQUEST_NULL;
     checked(MPI_Isend(part.data(), static_cast<int>(part.size()), MPI_BYTE, destination, tag, comm_.get(),
-                      &request),
+                      &sending.requests.emplace_back(MPI_REQUEST_NULL)),
             "MPI_Isend");
-    sending.requests.push_back(request);
   }
 
   /// The first part holds the header, which says how much follows; parts of one sender stay in order.

@@ -39,8 +39,7 @@ std::optional<DicomPlanes> lattice_of(const DicomFile& file, const DicomItem* al
   if (n.empty() || spacing.empty()) return {};
   return DicomPlanes{.row = glm::normalize(glm::make_vec3(n.data())),
                      .column = glm::normalize(glm::make_vec3(n.data() + 3)),
-                     .spacing = {spacing[1], spacing[0]},
-                     .planes = {}};
+                     .spacing = {spacing[1], spacing[0]}};
 }
 
 bool alike(const DicomPlanes& a, const DicomPlanes& b) {

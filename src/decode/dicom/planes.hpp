@@ -28,7 +28,7 @@ DicomTimes dicom_times(const DicomFile& file);
 struct DicomPlanes {
   glm::dvec3 row{1, 0, 0}, column{0, 1, 0};  ///< directions of a row and of a column, unit length
   glm::dvec2 spacing{1};                     ///< of columns and of rows
-  std::vector<DicomPlane> planes;            ///< in the frames' order
+  std::vector<DicomPlane> planes = {};       ///< in the frames' order
 };
 
 /// Reads the functional groups of a checked file. Nothing when they do not give all frames a place. Throws

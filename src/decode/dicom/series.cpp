@@ -33,8 +33,7 @@ std::optional<DicomSeries> read_header(const fs::path& path) {
                      .description = text(dicom::description),
                      .modality = text(dicom::modality),
                      .number = text(dicom::series_number),
-                     .rescale_type = text(dicom::rescale_type),
-                     .images = {}};
+                     .rescale_type = text(dicom::rescale_type)};
   series.images.push_back(
       {.file = path, .instance = text(dicom::instance), .frames = shape.frames, .times = dicom_times(*file)});
   return series;

@@ -17,8 +17,8 @@ struct DicomHeader {
 
 struct DicomSeries {
   std::string uid, description, modality, number, rescale_type;
-  std::vector<DicomHeader> images;  ///< by their paths; copies of an image are left out
-  std::size_t slices() const;       ///< of all images
+  std::vector<DicomHeader> images = {};  ///< by their paths; copies of an image are left out
+  std::size_t slices() const;            ///< of all images
 };
 
 /// The series in a folder and, when `deep`, in those below it; by UID. Symbolic links are followed, loops do

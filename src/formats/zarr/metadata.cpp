@@ -149,11 +149,7 @@ void check(const Node& node, Array& array) {
 
 std::optional<Node> node_at(const std::filesystem::path& folder) {
   for (const std::string name : {"zarr.json", ".zarray", ".zgroup", "attributes.json"}) {
-    Node node{.folder = folder,
-              .file = folder / name,
-              .version_3 = name[0] == 'z',
-              .n5 = name[0] == 'a',
-              .json = {}};
+    Node node{.folder = folder, .file = folder / name, .version_3 = name[0] == 'z', .n5 = name[0] == 'a'};
     if (!std::filesystem::exists(node.file)) continue;
     node.json = read_json(node.file);
     node.is_array = node.version_3 ? node.json.at("node_type") == "array"

@@ -24,7 +24,7 @@ using Sizes = std::vector<std::int64_t>;
 struct Node {
   std::filesystem::path folder, file;
   bool version_3 = false, n5 = false, is_array = false;
-  Json json;
+  Json json = {};
   Json ome = Json::object();  ///< what OME-Zarr says of an image; in version 2 all attributes
 
   bool is_image() const { return !is_array && ome.contains("/multiscales/0"_json_pointer); }
