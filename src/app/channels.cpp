@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/hex_colour.hpp"
 #include "base/printable.hpp"
 #include "base/srgb.hpp"
 #include "base/text.hpp"

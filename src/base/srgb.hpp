@@ -1,8 +1,11 @@
 #pragma once
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <optional>
+#include <string_view>
 
 namespace ringsplat {
 
@@ -30,6 +33,19 @@ inline glm::dvec3 linear_to_srgb(const glm::dvec3& c) {
 /// A share as 8 bits, rounded to nearest. Not-a-number compares false and becomes 0.
 inline std::uint8_t to_byte(float v) {
   return static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0F) * 255.0F + 0.5F : 0.0F);
+}
+
+/// 0xrrggbb as display (sRGB) values, 0 to 1.
+inline glm::dvec3 colour_of(std::uint32_t rgb) {
+  return {double(rgb >> 16 & 255) / 255, double(rgb >> 8 & 255) / 255, double(rgb & 255) / 255};
+}
+
+/// A colour's six hexadecimal digits as display values; nothing for other texts.
+inline std::optional<glm::dvec3> hex_colour(std::string_view digits) {
+  std::uint32_t rgb = 0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), rgb, 16);
+  if (digits.size() != 6 || error != std::errc() || end != digits.data() + 6) return {};
+  return colour_of(rgb);
 }
 
 }  // namespace ringsplat

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "base/hex_colour.hpp"
+#include "base/srgb.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 
 namespace ringsplat {

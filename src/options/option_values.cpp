@@ -10,7 +10,6 @@
 #include <numeric>
 #include <utility>
 
-#include "base/hex_colour.hpp"
 #include "base/printable.hpp"
 #include "base/srgb.hpp"
 #include "options/option_list.hpp"

@@ -10,7 +10,7 @@
 #include <sstream>
 #include <string_view>
 
-#include "base/hex_colour.hpp"
+#include "base/srgb.hpp"
 #include "base/text.hpp"
 #include "formats/axes.hpp"
 #include "formats/xml_reader.hpp"

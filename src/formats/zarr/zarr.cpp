@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "base/hex_colour.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
+#include "base/srgb.hpp"
 #include "base/text.hpp"
 #include "formats/formats.hpp"
 #include "formats/zarr/metadata.hpp"
