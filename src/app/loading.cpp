@@ -105,7 +105,7 @@ void settle_ranks(Job& job, Launch& launch) {
 }
 
 OpenedVolume open(const VolumeOptions& volume, Launch& launch) {
-  const Watched watched(launch.collectives(), fmt::format("opening {}", volume.path));
+  const auto watched = launch.collectives().watched(fmt::format("opening {}", volume.path));
   return open_everywhere(
       launch.collectives(), [&] { return open_volume(volume); }, volume.path);
 }
@@ -256,7 +256,7 @@ void settle_layout(Job& job, std::size_t pictures, std::size_t volumes, Launch& 
 
 Scene load(const Job& job, OpenedVolume& volume, Progress& progress, Launch& launch) {
   const PlainFloats as_before_the_first_frame;
-  const Watched watched(launch.collectives(), fmt::format("reading {}", volume.name));
+  const auto watched = launch.collectives().watched(fmt::format("reading {}", volume.name));
   progress.begin("loading", 1);
   LoadOptions told = job.load;
   told.told = [&](double part) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -41,21 +42,11 @@ class Collectives {
   /// for how long nobody knows, and only who makes no headway is named. Not collective, but all make it.
   virtual void begin_watch(const std::string& /*what*/, bool /*at_work*/) {}
   virtual void end_watch() {}
-};
-
-/// While it lives, processes that keep others waiting are named.
-class Watched {
- public:
-  Watched(Collectives& collectives, const std::string& what, bool at_work = true)
-      : collectives_(collectives) {
-    collectives_.begin_watch(what, at_work);
+  /// Watches while what it returns lives.
+  [[nodiscard]] auto watched(const std::string& what, bool at_work = true) {
+    begin_watch(what, at_work);
+    return std::unique_ptr<Collectives, void (*)(Collectives*)>(this, [](auto* all) { all->end_watch(); });
   }
-  ~Watched() { collectives_.end_watch(); }
-  Watched(const Watched&) = delete;
-  Watched& operator=(const Watched&) = delete;
-
- private:
-  Collectives& collectives_;
 };
 
 /// One process alone.

@@ -116,7 +116,7 @@ struct Session::State {
   void enter(const std::string& call, const std::string& error) {
     const std::string before = std::exchange(problem, {});
     const auto all = [&] {
-      const Watched watched(wiring.collectives, fmt::format("late for {}()", call), false);
+      const auto watched = wiring.collectives.watched(fmt::format("late for {}()", call), false);
       return wiring.collectives.all_gather(to_bytes(call, before.empty() ? error : before));
     }();
     std::vector<std::string> calls, errors;
