@@ -152,33 +152,15 @@ class StoredSupply final : public SendingSupply {
   SliceDealing dealing_;
 };
 
-/// Reads a supply's batch.
-class SuppliedSource final : public VolumeSource {
- public:
-  SuppliedSource(const Grid& grid, SliceSupply& supply) : grid_(grid), supply_(supply) {}
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return true; }
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    const std::size_t bytes = grid_.slice_bytes(Axis::z);
-    for (int k = 0; k < count; ++k)
-      std::memcpy(out.data() + std::size_t(k) * bytes, supply_.slice(first + k), bytes);
-  }
-
- private:
-  Grid grid_;
-  SliceSupply& supply_;
-};
-
 /// Processes get the full slices of the reduced ones that they need, and reduce them.
-class ReducingSupply final : public SliceSupply {
+class ReducingSupply final : public SliceSupply, VolumeSource {
  public:
   ReducingSupply(const Grid& grid, std::unique_ptr<SliceSupply> full, const Reduction& reduction)
-      : full_(std::move(full)),
-        source_(grid, *full_),
-        reduced_(reduced_source(source_, reduction)),
+      : grid_(grid),
+        full_(std::move(full)),
+        reduced_(reduced_source(*this, reduction)),
         reads_(*reduced_),
         reduction_(reduction),
-        full_slices_(grid.dims.z),
         batch_(std::max(1, batch_of(grid) / reduction.factor)) {}
 
   int available_from(int z) override { return std::min(reduced_->grid().dims.z, z + batch_); }
@@ -196,6 +178,15 @@ class ReducingSupply final : public SliceSupply {
   const std::byte* slice(int z) override { return reads_.slice(z); }
 
  private:
+  // What is reduced: the full slices of the batch.
+  const Grid& grid() const override { return grid_; }
+  bool concurrent() const override { return true; }
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    const std::size_t bytes = grid_.slice_bytes(Axis::z);
+    for (int k = 0; k < count; ++k)
+      std::memcpy(out.data() + std::size_t(k) * bytes, full_->slice(first + k), bytes);
+  }
+
   /// First and end of the full slices that slice z is made of.
   std::pair<int, int> full_slices(int z) const {
     int first = z, last = z;
@@ -204,15 +195,15 @@ class ReducingSupply final : public SliceSupply {
       first = 2 * first - 1;
       last = 2 * last + 2;
     }
-    return {std::clamp(first, 0, full_slices_ - 1), std::clamp(last, 0, full_slices_ - 1) + 1};
+    return {std::clamp(first, 0, grid_.dims.z - 1), std::clamp(last, 0, grid_.dims.z - 1) + 1};
   }
 
+  Grid grid_;  ///< of the full slices
   std::unique_ptr<SliceSupply> full_;
-  SuppliedSource source_;
   std::unique_ptr<VolumeSource> reduced_;
   ReadingSupply reads_;
   Reduction reduction_;
-  int full_slices_, batch_;
+  int batch_;
 };
 
 }  // namespace
