@@ -94,11 +94,8 @@ struct RowsHeader {
 
 std::string why_wrong(const Grid& grid, const std::vector<VoxelBlock>& blocks) {
   for (std::size_t k = 0; k < blocks.size(); ++k) {
-    try {
-      check(blocks[k].extent, grid);
-    } catch (const InputError& e) {
-      return fmt::format("block {}: {}", k, e.what());
-    }
+    const std::string wrong = input_error_of([&] { check(blocks[k].extent, grid); });
+    if (!wrong.empty()) return fmt::format("block {}: {}", k, wrong);
     if (blocks[k].first_voxel == nullptr)
       return fmt::format(
           "block {} has no voxels: its pointer is null; hint: pass where the voxel extent.first lies", k);
