@@ -68,38 +68,32 @@ struct Element {
 };
 
 /// The start tags with one of these names, in the text's order.
-class StartTags : XmlReader {
- public:
-  StartTags(const char* encoding, const std::set<std::string>& names) : XmlReader(encoding), names_(names) {}
-
-  /// False when the text is no XML; then what was found before.
-  bool read(std::string_view xml) {
-    return parse([&](std::span<std::byte> window) {
-             const auto count = std::min(window.size(), xml.size());
-             std::memcpy(window.data(), xml.data(), count);
-             xml.remove_prefix(count);
-             return count;
-           })
-        .empty();
+struct StartTags : XmlReader {
+  StartTags(const char* encoding, const std::set<std::string>& wanted, std::string_view xml)
+      : XmlReader(encoding), names(wanted) {
+    problem = parse([&](std::span<std::byte> window) {
+      const auto count = std::min(window.size(), xml.size());
+      std::memcpy(window.data(), xml.data(), count);
+      xml.remove_prefix(count);
+      return count;
+    });
   }
-  const std::vector<Element>& found() const { return found_; }
-
- private:
   void on_start(const std::string& full, const Attributes& attributes) override {
     const auto name = full.substr(full.find(':') + 1);
-    if (names_.contains(name)) found_.push_back({name, attributes});
+    if (names.contains(name)) found.push_back({name, attributes});
   }
 
-  std::set<std::string> names_;
-  std::vector<Element> found_;
+  const std::set<std::string>& names;
+  std::vector<Element> found;
+  std::string problem;  ///< why the text is no XML; then `found` is what came before
 };
 
 std::vector<Element> start_tags(const std::string& xml, const std::set<std::string>& names) {
-  StartTags tags(nullptr, names);
-  if (tags.read(xml)) return tags.found();
+  const StartTags tags(nullptr, names, xml);
+  if (tags.problem.empty()) return tags.found;
   // Some programs write the micro sign in Latin-1 and do not say so.
-  StartTags latin("ISO-8859-1", names);
-  return latin.read(xml) ? latin.found() : tags.found();
+  const StartTags latin("ISO-8859-1", names, xml);
+  return latin.problem.empty() ? latin.found : tags.found;
 }
 
 /// PhysicalSizeX, PhysicalSizeXUnit and so on. A missing unit is micrometres.
