@@ -51,9 +51,17 @@ double microseconds(Nanoseconds t) { return double(t) / 1000; }
 double microseconds(double seconds) { return std::round(seconds * 1e9) / 1000; }
 
 /// A node's row. Begins and ends are each rounded to nanoseconds once, so that nesting survives rounding.
-class Row {
- public:
-  Row(int process, int thread, double start) : process_(process), thread_(thread), start_(start) {}
+struct Row {
+  /// Kept as text, which takes a fraction of a JSON object's memory.
+  struct Line {
+    double time, duration;
+    std::string event;
+  };
+
+  int process, thread;
+  double start;
+  std::vector<Line> lines = {};
+  std::vector<Nanoseconds> edges = {};  ///< where something begins or ends
 
   void write(const NodeRecord& record, const std::map<FlowKey, std::int64_t>& flows) {
     for (const auto& span : record.spans) write(span);
@@ -62,23 +70,16 @@ class Row {
 
   /// A parent stands before its children and before the flows that bind to it.
   void append_to(std::string& text) {
-    std::ranges::stable_sort(lines_, {}, [](const Line& l) { return std::pair(l.time, -l.duration); });
-    for (const auto& line : lines_) text.append(",\n").append(line.event);
+    std::ranges::stable_sort(lines, {}, [](const Line& l) { return std::pair(l.time, -l.duration); });
+    for (const auto& line : lines) text.append(",\n").append(line.event);
   }
 
   json event(const char* phase, const std::string& name, const char* category) const {
-    return {{"ph", phase}, {"name", name}, {"cat", category}, {"pid", process_}, {"tid", thread_}};
+    return {{"ph", phase}, {"name", name}, {"cat", category}, {"pid", process}, {"tid", thread}};
   }
 
- private:
-  /// Kept as text, which takes a fraction of a JSON object's memory.
-  struct Line {
-    double time, duration;
-    std::string event;
-  };
-
-  void add(const json& e) { lines_.push_back({e["ts"], e.value("dur", 0.0), e.dump()}); }
-  Nanoseconds at(double time) const { return std::llround((time - start_) * 1e9); }
+  void add(const json& e) { lines.push_back({e["ts"], e.value("dur", 0.0), e.dump()}); }
+  Nanoseconds at(double time) const { return std::llround((time - start) * 1e9); }
 
   void write_complete(const char* what, const char* category, Nanoseconds begin, Nanoseconds end, json args) {
     json e = event("X", what, category);
@@ -86,8 +87,8 @@ class Row {
     e["dur"] = microseconds(end - begin);
     e["args"] = std::move(args);
     add(e);
-    edges_.push_back(begin);
-    edges_.push_back(end);
+    edges.push_back(begin);
+    edges.push_back(end);
   }
 
   void write(const Span& span) {
@@ -114,14 +115,14 @@ class Row {
   /// A viewer binds a flow's end to the span at its time. So each mark gets a short span of its own, which
   /// ends before anything else begins or ends.
   void write_marks(std::vector<Mark> marks, const std::map<FlowKey, std::int64_t>& flows) {
-    for (const auto& mark : marks) edges_.push_back(at(mark.time));
-    std::sort(edges_.begin(), edges_.end());
-    const std::vector<Nanoseconds> edges = edges_;
+    for (const auto& mark : marks) edges.push_back(at(mark.time));
+    std::sort(edges.begin(), edges.end());
+    const std::vector<Nanoseconds> all = edges;
     for (auto mark = marks.begin(); mark != marks.end(); ++mark) {
       const Nanoseconds begin = at(mark->time);
       Nanoseconds end = begin + mark_length;
-      const auto next = std::upper_bound(edges.begin(), edges.end(), begin);
-      if (next != edges.end()) end = std::min(end, *next);
+      const auto next = std::upper_bound(all.begin(), all.end(), begin);
+      if (next != all.end()) end = std::min(end, *next);
       if (mark + 1 != marks.end()) end = std::max(begin, std::min(end, at((mark + 1)->time)));
       const char* category = of_token(mark->moment) ? "token" : "payload";
       const json args{{"frame", mark->frame}, {"step", mark->step}, {"renderer", mark->renderer}};
@@ -141,11 +142,6 @@ class Row {
     if (!leaves(mark.moment)) e["bp"] = "e";
     add(e);
   }
-
-  int process_, thread_;
-  double start_;
-  std::vector<Line> lines_;
-  std::vector<Nanoseconds> edges_;  ///< where something begins or ends
 };
 
 json metadata(const char* what, int process, int thread, const char* key, json value) {
@@ -188,7 +184,7 @@ std::string to_chrome_trace(const Trace::Gathered& trace, const Layout& layout) 
     ++thread;
     add(metadata("thread_name", process, thread, "name", to_string(record.node)));
     add(metadata("thread_sort_index", process, thread, "sort_index", thread));
-    Row row(process, thread, start);
+    Row row{process, thread, start};
     row.write(record, flows);
     row.append_to(text);
   }
