@@ -1,17 +1,11 @@
 #include "classify/adjust.hpp"
 
-#include <algorithm>
 #include <limits>
 
 #include "classify/piecewise.hpp"
 
 namespace ringsplat {
 namespace {
-
-/// The value `part` of the way from `low` to `high` on a logarithmic axis.
-double between(double low, double high, double part) {
-  return std::clamp(low * std::pow(high / low, part), low, high);
-}
 
 int steps_between(double low, double high) {
   constexpr double per_decade = 8;
@@ -26,15 +20,15 @@ std::vector<Point> filled(const std::vector<Point>& points, Look Point::*look) {
     const int steps = steps_between(a.value, b.value);
     for (int i = 1; i < steps; ++i) {
       const double part = double(i) / steps;
-      all.push_back({between(a.value, b.value, part), blend(a.*look, b.*look, part)});
+      all.push_back({DataRange{a.value, b.value}.at_logarithm(part), blend(a.*look, b.*look, part)});
     }
   });
 }
 
-/// Moves points as far along the logarithm's axis from `low` to `high` as they were along the values'.
+/// Moves points as far along the logarithm's axis as they were along the values'.
 template <class Point>
-void move_to_logarithms(std::vector<Point>& points, double low, double high) {
-  for (Point& point : points) point.value = between(low, high, fraction(point.value, low, high));
+void move_to_logarithms(std::vector<Point>& points, const DataRange& range) {
+  for (Point& point : points) point.value = range.at_logarithm(fraction(point.value, range.low, range.high));
 }
 
 }  // namespace
@@ -89,16 +83,14 @@ void clear_at(TransferFunction& tf, double value, bool whole) {
 
 TransferFunction on_logarithmic_axis(const TransferFunction& tf) {
   TransferFunction moved = tf;
-  const auto [low, high] = ends_of(tf);
-  move_to_logarithms(moved.colours, low, high);
-  move_to_logarithms(moved.opacities, low, high);
+  move_to_logarithms(moved.colours, ends_of(tf));
+  move_to_logarithms(moved.opacities, ends_of(tf));
   return at_logarithmic_steps(moved);
 }
 
 std::vector<TransferFunction::ColourPoint> on_logarithmic_axis(
     std::vector<TransferFunction::ColourPoint> points) {
-  const double low = points.front().value, high = points.back().value;
-  move_to_logarithms(points, low, high);
+  move_to_logarithms(points, {points.front().value, points.back().value});
   return filled(points, &TransferFunction::ColourPoint::srgb);
 }
 

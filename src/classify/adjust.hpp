@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -12,6 +13,8 @@ namespace ringsplat {
 struct DataRange {
   double low, high;
   double at(double share) const { return std::lerp(low, high, share); }
+  /// The same on a logarithmic axis, for positive ends.
+  double at_logarithm(double share) const { return std::clamp(low * std::pow(high / low, share), low, high); }
 };
 
 /// 1 − (1 − α)^factor: twice as dense for 2.

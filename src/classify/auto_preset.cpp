@@ -321,11 +321,7 @@ AutoChoice choose_within(const ValueStatistics& s, const DataRange& window, bool
                                     : (value - window.low) / (window.high - window.low);
     return std::isfinite(part) ? std::clamp(part, 0.0, 1.0) : 0.5;
   };
-  const auto value = [&](double part) {
-    return logarithmic
-               ? std::clamp(window.low * std::pow(window.high / window.low, part), window.low, window.high)
-               : window.at(part);
-  };
+  const auto value = [&](double part) { return logarithmic ? window.at_logarithm(part) : window.at(part); };
   const double common = std::clamp(place(upper_quantile(d.bins, 0.5)), 0.1, 0.8);
   const double rare = std::clamp(place(upper_quantile(d.bins, 0.9)), common + 0.05, 0.95);
   TransferFunction tf;
