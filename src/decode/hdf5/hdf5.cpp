@@ -121,8 +121,8 @@ class DatasetSource final : public LayeredSource {
       size[std::size_t(slices)] = hsize_t(end - begin);
     }
     const Id stored = made(H5Dget_space(dataset_.get()), selection_.where);
-    done(H5Sselect_hyperslab(stored.get(), H5S_SELECT_SET, first.data(), nullptr, size.data(), nullptr),
-         selection_.where);
+    if (H5Sselect_hyperslab(stored.get(), H5S_SELECT_SET, first.data(), nullptr, size.data(), nullptr) < 0)
+      fail(selection_.where);
     const Id memory = made(H5Screate_simple(int(size.size()), size.data(), nullptr), selection_.where);
     if (H5Dread(dataset_.get(), type, memory.get(), stored.get(), H5P_DEFAULT, out) < 0)
       fail(fmt::format("{}: slices {} to {} cannot be read", selection_.where, begin, end - 1));

@@ -46,9 +46,6 @@ inline Id made(hid_t id, const std::string& problem) {
   if (id < 0) fail(problem);
   return Id(id);
 }
-inline void done(herr_t status, const std::string& problem) {
-  if (status < 0) fail(problem);
-}
 
 /// The file, for reading only and without locks, which read-only file systems do not have.
 Id open_file(const std::filesystem::path& file);

@@ -79,10 +79,9 @@ class NrrdFields {
     if (text.empty()) fail_nrrd(path_, fmt::format("'{}' is missing", field));
     return text;
   }
-  std::vector<std::string> words(const std::string& field) const { return words_of(value(field)); }
   /// One word an axis; none when the field is missing.
   std::vector<std::string> words_of_axes(const std::string& field, std::size_t axes) const {
-    const auto list = words(field);
+    const auto list = words_of(value(field));
     if (!list.empty() && list.size() != axes)
       fail_nrrd(path_, fmt::format("it has {} {}, but its dimension is {}", list.size(), field, axes));
     return list;
