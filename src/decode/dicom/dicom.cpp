@@ -200,8 +200,7 @@ std::unique_ptr<VolumeSource> open_frames(const DicomHeader& header, const Volum
 VolumeNotes notes_of(const DicomSeries& series, int frames) {
   VolumeNotes notes{.world = World::patient, .unit = "mm", .frames = frames};
   notes.modality = series.modality.empty() ? "OT" : excerpt(series.modality);
-  std::transform(notes.modality.begin(), notes.modality.end(), notes.modality.begin(),
-                 [](unsigned char c) { return char(std::toupper(c)); });
+  for (char& c : notes.modality) c = char(std::toupper(static_cast<unsigned char>(c)));
   const auto& type = series.rescale_type;
   if (type == "HU" || (notes.modality == "CT" && (type.empty() || type == "US"))) notes.quantity = "HU";
   return notes;
