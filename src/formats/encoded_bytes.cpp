@@ -90,7 +90,6 @@ class InflatedBytes final : public BytesInOrder {
   }
   ~InflatedBytes() override { inflateEnd(&stream_); }
   InflatedBytes(const InflatedBytes&) = delete;
-  InflatedBytes& operator=(const InflatedBytes&) = delete;
 
   /// More data than voxels is no error. Decodes one more window all the same: damage mostly shows within it.
   void verify_end() override {

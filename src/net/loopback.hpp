@@ -36,7 +36,6 @@ class LoopbackNetwork {
     for (int r = 0; r < ranks; ++r) ends_.push_back(std::make_unique<End>(*this, r));
   }
   LoopbackNetwork(const LoopbackNetwork&) = delete;
-  LoopbackNetwork& operator=(const LoopbackNetwork&) = delete;
 
   Transport& transport(int rank) { return *ends_.at(std::size_t(rank)); }
   /// Advances the clock that counts delays by one turn.
