@@ -117,8 +117,7 @@ TEST_CASE("a process without slices has its part in what all gather") {
     auto stores = deal_slices(volume, {}, {2, {0, 2}, collectives});
     share_slice_ranges(stores, collectives);
     ranges[process] = share_values(stores, grid, {}, collectives).range;
-    for (const auto& [gp, store] : stores)
-      known[process] = store.ranges(Axis::z).size();
+    for (const auto& [gp, store] : stores) known[process] = store.ranges(Axis::z).size();
   });
   CHECK(thrown == std::vector<std::string>(3));
   CHECK(known == std::vector<std::size_t>{12, 0, 12});
