@@ -88,44 +88,32 @@ Interval interval_of(const std::vector<Squares>& strata, double sum, double know
   return {std::max(known, sum / factor), sum * factor};
 }
 
-/// What two pictures differ by, over the channels [first, end). OpenImageIO's comparison is not used: it does
-/// not count pixels that are not finite, and it sums squares in float32.
-class Differences {
- public:
-  Differences(const Image& image, const Image& truth, int first, int end)
-      : width_(image.width), channels_(end - first) {
-    for (std::size_t at = 0; at < image.rgba.size(); at += 4) {
-      double most = 0;
-      for (auto c = std::size_t(first); c < std::size_t(end); ++c) {
-        const double d = levels_apart(double(image.rgba[at + c]), double(truth.rgba[at + c]));
-        squares_ += d * d;
-        sum_ += d;
-        most = std::max(most, std::abs(d));
-      }
-      largest_.push_back(most);
+/// Widens the limit by a ten-thousandth: 8-bit values that are a whole number of levels apart are so only up
+/// to float32's rounding, and must not exceed the limit by chance.
+double fraction_over(double limit, const std::vector<double>& differences) {
+  const auto over = [&](double d) { return d > limit * 1.0001; };
+  return double(std::ranges::count_if(differences, over)) / double(differences.size());
+}
+
+/// What two pictures differ by, over the channels [first, end), and in each pixel at most. OpenImageIO's
+/// comparison is not used: it does not count pixels that are not finite, and it sums squares in float32.
+ErrorFigures figures_of(const Image& image, const Image& truth, int first, int end,
+                        std::vector<double>& largest) {
+  double squares = 0, sum = 0;
+  largest.clear();
+  for (std::size_t at = 0; at < image.rgba.size(); at += 4) {
+    double& most = largest.emplace_back(0);
+    for (auto c = std::size_t(first); c < std::size_t(end); ++c) {
+      const double d = levels_apart(double(image.rgba[at + c]), double(truth.rgba[at + c]));
+      squares += d * d;
+      sum += d;
+      most = std::max(most, std::abs(d));
     }
   }
-  ErrorFigures figures() const {
-    const double values = channels_ * double(largest_.size());
-    return {std::sqrt(squares_ / values), *std::max_element(largest_.begin(), largest_.end()), sum_ / values,
-            fraction_over(1), fraction_over(2)};
-  }
-  /// Widens the limit by a ten-thousandth: 8-bit values that are a whole number of levels apart are so only
-  /// up to float32's rounding, and must not exceed the limit by chance.
-  double fraction_over(double limit) const {
-    const auto over = [&](double d) { return d > limit * 1.0001; };
-    return double(std::count_if(largest_.begin(), largest_.end(), over)) / double(largest_.size());
-  }
-  Pixel worst() const {
-    const auto at = int(std::max_element(largest_.begin(), largest_.end()) - largest_.begin());
-    return {at % width_, at / width_};
-  }
-
- private:
-  int width_, channels_;
-  double squares_ = 0, sum_ = 0;
-  std::vector<double> largest_;  ///< of each pixel
-};
+  const double values = (end - first) * double(largest.size());
+  return {std::sqrt(squares / values), *std::ranges::max_element(largest), sum / values,
+          fraction_over(1, largest), fraction_over(2, largest)};
+}
 
 }  // namespace
 
@@ -183,10 +171,14 @@ SampledError sampled_error(const Image& image, const PixelSample& sample, std::s
 double ErrorFigures::psnr() const { return 20 * std::log10(levels / rmse); }
 
 ImageError compare(const Image& image, const Image& truth, int channels, double threshold) {
-  const Differences all(image, truth, 0, channels);
-  ImageError error{all.figures(), {}, all.worst(), all.fraction_over(threshold)};
+  std::vector<double> largest;
+  ImageError error;
   for (int c = 0; c < channels; ++c)
-    error.channels[std::size_t(c)] = Differences(image, truth, c, c + 1).figures();
+    error.channels[std::size_t(c)] = figures_of(image, truth, c, c + 1, largest);
+  error.total = figures_of(image, truth, 0, channels, largest);
+  const auto worst = int(std::ranges::max_element(largest) - largest.begin());
+  error.worst = {worst % image.width, worst / image.width};
+  error.over_threshold = fraction_over(threshold, largest);
   return error;
 }
 
