@@ -19,30 +19,15 @@ std::int64_t floored(double x) {
   return whole - (double(whole) > limited ? 1 : 0);
 }
 
-/// Where a view shows lattice points, times their depth, and that depth: linear in the points. An
-/// orthographic view has depth 1.
-class Homogeneous {
- public:
-  explicit Homogeneous(const ViewTransform& view) : view_(view) {
-    if (view.eye) eye_ = view.project(*view.eye);
-  }
-  glm::dvec3 point(const glm::dvec3& lattice) const {
-    const glm::dvec3 place = view_.project(lattice);
-    if (!view_.eye) return {place.x, place.y, 1};
-    const double depth = place.z - eye_.z;
-    return {eye_.x * depth - eye_.z * (place.x - eye_.x), eye_.y * depth - eye_.z * (place.y - eye_.y),
-            depth};
-  }
-  glm::dvec3 step(int axis) const {
-    glm::dvec3 next(0.0);
-    next[axis] = 1;
-    return point(next) - point(glm::dvec3(0.0));
-  }
-
- private:
-  const ViewTransform& view_;
-  glm::dvec3 eye_{0.0};
-};
+/// Where a view shows a lattice point, times its depth, and that depth: linear in the points. An orthographic
+/// view has depth 1.
+glm::dvec3 homogeneous(const ViewTransform& view, const glm::dvec3& lattice) {
+  const glm::dvec3 place = view.project(lattice);
+  if (!view.eye) return {place.x, place.y, 1};
+  const glm::dvec3 eye = view.project(*view.eye);
+  const double depth = place.z - eye.z;
+  return {eye.x * depth - eye.z * (place.x - eye.x), eye.y * depth - eye.z * (place.y - eye.y), depth};
+}
 
 /// `before` and `after` are in the order of the traversal.
 BlockWindows windows_of_slab(const FrameGeometry& g, double before, double after, int finer) {
@@ -62,13 +47,16 @@ BlockWindows::BlockWindows(const FrameGeometry& g, double around, double slices_
                            int finer)
     : from_eye_(g.view.eye.has_value()) {
   const auto [u, v] = in_plane(g.traversal.axis);
-  const Homogeneous seen(g.view);
-  const glm::dvec3 along_u = seen.step(u), along_v = seen.step(v),
-                   along_k = seen.step(static_cast<int>(g.traversal.axis));
+  const glm::dvec3 origin = homogeneous(g.view, glm::dvec3(0.0));
+  const auto step = [&](int axis) {
+    glm::dvec3 next(0.0);
+    next[axis] = 1;
+    return homogeneous(g.view, next) - origin;
+  };
+  const glm::dvec3 along_u = step(u), along_v = step(v), along_k = step(static_cast<int>(g.traversal.axis));
   const double voxel = 1.0 / finer, side = CellRanges::side * voxel, middle = 0.5 * (side - voxel),
                first = 0.5 * (side - 1);
-  first_ = seen.point(glm::dvec3(0.0)) + first * (along_u + along_v) +
-           0.5 * (slices_after - slices_before) * along_k;
+  first_ = origin + first * (along_u + along_v) + 0.5 * (slices_after - slices_before) * along_k;
   column_ = side * along_u;
   row_ = side * along_v;
   slice_ = along_k;
