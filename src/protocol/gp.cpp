@@ -17,13 +17,6 @@
 namespace ringsplat {
 namespace {
 
-/// A token while a GP has it.
-struct HeldToken {
-  int renderer;
-  std::uint32_t sequence;  ///< number of the Renderer's next payload
-  std::uint32_t credits;   ///< payloads it may leave unaccepted when it moves on
-};
-
 /// A slice from the time its payloads are made until all its tokens have passed.
 struct PreparedSlice {
   int step;
@@ -62,7 +55,7 @@ struct GpFrame {
   bool encoding = false;      ///< steps[next_step] is being encoded
   std::deque<PreparedSlice> prepared;
   /// By step: tokens that came before the slice was ready.
-  std::map<int, std::vector<HeldToken>> waiting_tokens;
+  std::map<int, std::vector<TokenFields>> waiting_tokens;
   /// Renderer and sequence of payloads that their tokens left behind unaccepted.
   std::set<std::pair<int, std::uint32_t>> left_behind;
   std::size_t steps_done = 0;
@@ -171,11 +164,12 @@ class Gp final : public Node {
   /// All tokens start at the owner of the front slice and visit slices in the traversal's order; that order
   /// keeps a mesh free of contention (net/mesh.hpp).
   void start_tokens(Frame& frame) {
-    auto& front = frame.waiting_tokens[frame.shown.front()];
+    const int step = frame.shown.front();
+    auto& front = frame.waiting_tokens[step];
     for (int k = 0; k < my_.layout.renderers; ++k) {
       const int renderer = frame.plan.ascending ? k : my_.layout.renderers - 1 - k;
       if (frame.drawing[std::size_t(renderer)])
-        front.push_back({renderer, 0, credits_of(std::uint32_t(my_.options.slots))});
+        front.push_back({{step, renderer, 0}, credits_of(std::uint32_t(my_.options.slots))});
     }
     frame.stats.tokens_issued = front.size();
   }
@@ -187,39 +181,39 @@ class Gp final : public Node {
   }
 
   void take_token(Frame& frame, const Header& h) {
-    const auto [place, credits] = fields_of<TokenFields>(h);
+    const auto token = fields_of<TokenFields>(h);
+    const TokenPlace& place = token.place;
     if (!std::binary_search(frame.steps.begin(), frame.steps.end(), place.step))
       throw RunError(
           fmt::format("{} got Renderer {}'s token for step {} of frame {}, whose slice is not its own",
                       to_string(id()), place.renderer, place.step, h.frame));
     book_.mark(Moment::take_token, h.frame, place.step, place.renderer);
-    const HeldToken token{place.renderer, place.sequence, credits};
     if (PreparedSlice* slice = frame.find_slice(place.step))
       use_token(frame, *slice, token);
     else
       frame.waiting_tokens[place.step].push_back(token);
   }
 
-  void use_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
-    EncodedPart& part = slice.parts[std::size_t(token.renderer)];
+  void use_token(Frame& frame, PreparedSlice& slice, const TokenFields& token) {
+    const auto& [place, credits] = token;
+    EncodedPart& part = slice.parts[std::size_t(place.renderer)];
     if (part.payload.empty()) {
       pass_token(frame, slice, token);
       return;
     }
-    const Header h = make_header(
-        id(), {Role::renderer, token.renderer}, frame.number,
-        PayloadFields{.place = {slice.step, token.renderer, token.sequence}, .passes = part.passes});
+    const Header h = make_header(id(), {Role::renderer, place.renderer}, frame.number,
+                                 PayloadFields{.place = place, .passes = part.passes});
     frame.stats.splats_sent += part.items;
     frame.stats.payload_bytes_sent += Message::body_size(part.payload);
     ++frame.stats.payloads_sent;
-    book_.mark(Moment::send_payload, frame.number, slice.step, token.renderer);
+    book_.mark(Moment::send_payload, frame.number, slice.step, place.renderer);
     my_.post(Message(h, std::exchange(part.payload, {})));
-    if (token.credits == 0) {
-      slice.awaiting_accept[token.renderer] = token.sequence;
+    if (credits == 0) {
+      slice.awaiting_accept[place.renderer] = place.sequence;
       return;
     }
-    frame.left_behind.emplace(token.renderer, token.sequence);
-    pass_token(frame, slice, {token.renderer, token.sequence + 1, token.credits - 1});
+    frame.left_behind.emplace(place.renderer, place.sequence);
+    pass_token(frame, slice, {{place.step, place.renderer, place.sequence + 1}, credits - 1});
   }
 
   /// In a mesh a token waits for every accept, so that payloads never meet (net/mesh.hpp).
@@ -234,7 +228,7 @@ class Gp final : public Node {
       const auto sent = slice->awaiting_accept.find(place.renderer);
       if (sent != slice->awaiting_accept.end() && sent->second == place.sequence) {
         slice->awaiting_accept.erase(sent);
-        pass_token(frame, *slice, {place.renderer, place.sequence + 1, credits_of(free_slots)});
+        pass_token(frame, *slice, {{place.step, place.renderer, place.sequence + 1}, credits_of(free_slots)});
         return;
       }
     }
@@ -243,20 +237,21 @@ class Gp final : public Node {
                     to_string(id()), to_string(h.from()), place.sequence, place.step, h.frame));
   }
 
-  void pass_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
+  void pass_token(Frame& frame, PreparedSlice& slice, TokenFields token) {
+    TokenPlace& place = token.place;
     --slice.tokens_left;
     const std::optional<int> next = frame.after(slice.step);
     if (!next) {
       ++frame.stats.tokens_retired;
-      my_.post(Message(make_header(id(), {Role::renderer, token.renderer}, frame.number,
-                                   FrameEndFields{.payloads = token.sequence})));
+      my_.post(Message(make_header(id(), {Role::renderer, place.renderer}, frame.number,
+                                   FrameEndFields{.payloads = place.sequence})));
       return;
     }
     ++frame.stats.tokens_passed;
-    book_.mark(Moment::pass_token, frame.number, *next, token.renderer);
-    my_.post(Message(make_header(
-        id(), {Role::gp, frame.plan.owners[std::size_t(*next)]}, frame.number,
-        TokenFields{.place = {*next, token.renderer, token.sequence}, .credits = token.credits})));
+    book_.mark(Moment::pass_token, frame.number, *next, place.renderer);
+    place.step = *next;
+    my_.post(
+        Message(make_header(id(), {Role::gp, frame.plan.owners[std::size_t(*next)]}, frame.number, token)));
   }
 
   /// Encodes a piece of the next slice; idle when there is none, or no room for it.
@@ -296,7 +291,7 @@ class Gp final : public Node {
     PreparedSlice& slice = frame.prepared.back();
     const auto waiting = frame.waiting_tokens.extract(step);
     if (waiting.empty()) return;
-    for (const HeldToken& token : waiting.mapped()) use_token(frame, slice, token);
+    for (const TokenFields& token : waiting.mapped()) use_token(frame, slice, token);
   }
 
   void finish_completed_frames() {
