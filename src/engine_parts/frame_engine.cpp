@@ -36,22 +36,18 @@ class PictureCanvas final : public Canvas {
   }
 
   void finish() override {
-    clear_where_no_tile_came();
-    if (const auto& warp = geometry_->warp) image_ = warp_image(image_, filled_, *warp, width_, height_);
-    take_(number_, std::move(image_));
-  }
-
- private:
-  /// Clears only pixels without a tile, which are few.
-  void clear_where_no_tile_came() {
+    // Clears only pixels without a tile, which are few.
     for (int region = 0; region < geometry_->regions.count(); ++region) {
       if (here_[std::size_t(region)]) continue;
       const PixelRect rect = geometry_->regions.rect(region);
       for (int y = rect.y0; y < rect.y1; ++y)
         std::fill(image_.pixel(rect.x0, y), image_.pixel(rect.x1, y), 0.0F);
     }
+    if (const auto& warp = geometry_->warp) image_ = warp_image(image_, filled_, *warp, width_, height_);
+    take_(number_, std::move(image_));
   }
 
+ private:
   std::int64_t number_;
   int width_, height_;  ///< of the picture
   std::shared_ptr<const FrameGeometry> geometry_;
@@ -129,12 +125,8 @@ void OwnedImages::begin_frame(const FrameGeometry& g, double opaque_threshold) {
     regions_ = g.regions;
     owners_ = std::move(owners);
     images_.clear();
-    slot_of_region_.assign(std::size_t(regions_.count()), not_owned);
     owned_ = regions_.owned(renderer_, owners_);
-    for (const int region : owned_) {
-      slot_of_region_[std::size_t(region)] = images_.size();
-      images_.emplace_back(regions_.rect(region));
-    }
+    for (const int region : owned_) images_.emplace_back(regions_.rect(region));
   }
   for (RegionImage& image : images_) image.begin_frame(static_cast<float>(opaque_threshold));
   told_.clear();

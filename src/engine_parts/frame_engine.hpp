@@ -1,6 +1,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -89,13 +90,12 @@ class OwnedImages {
   std::size_t count() const { return images_.size(); }
   RegionImage& image(std::size_t slot) { return images_[slot]; }
   const RegionImage& image(std::size_t slot) const { return images_[slot]; }
-  bool owns(int region) const {
-    return region >= 0 && std::size_t(region) < slot_of_region_.size() &&
-           slot_of_region_[std::size_t(region)] != not_owned;
-  }
+  bool owns(int region) const { return std::ranges::binary_search(owned_, region); }
   const std::vector<int>& owned() const { return owned_; }  ///< ascending, by their images
   /// Index of an owned region's image.
-  std::size_t slot_of(int region) const { return slot_of_region_[std::size_t(region)]; }
+  std::size_t slot_of(int region) const {
+    return std::size_t(std::ranges::lower_bound(owned_, region) - owned_.begin());
+  }
 
   /// Appends to `news` the opaque tiles that GP `gp` has not been told of (Painter::news).
   void news(int gp, Bytes& news);
@@ -103,15 +103,12 @@ class OwnedImages {
   void deliver(const std::function<void(int tile, Bytes bytes)>& deliver) const;
 
  private:
-  static constexpr std::size_t not_owned = ~std::size_t{0};
-
   int renderer_, renderers_;
   Regions regions_;
   RegionOwners owners_;
-  std::vector<int> owned_;                   ///< regions
-  std::vector<RegionImage> images_;          ///< one for each owned region
-  std::vector<std::size_t> slot_of_region_;  ///< into images_
-  std::map<int, std::vector<int>> told_;     ///< by GP: for each owned region, the opaque tiles it knows of
+  std::vector<int> owned_;                ///< regions
+  std::vector<RegionImage> images_;       ///< one for each owned region
+  std::map<int, std::vector<int>> told_;  ///< by GP: for each owned region, the opaque tiles it knows of
 };
 
 /// A Renderer's painter, which keeps its buffers from frame to frame.
