@@ -42,15 +42,15 @@ AlignedFloats allocate_floats(std::size_t count) {
   return floats;
 }
 
-SliceBuffer make_slice_buffer(const Margins& margins, RegionSize largest) {
+SliceBuffer make_slice_buffer(const Margins& margins, const PixelRect& largest) {
   const std::ptrdiff_t left = in_whole_blocks(margins.left),
-                       row = left + in_whole_blocks(largest.width + margins.right),
-                       rows = margins.above + largest.height + margins.below;
+                       row = left + in_whole_blocks(largest.width() + margins.right),
+                       rows = margins.above + largest.height() + margins.below;
   const auto floats = std::size_t(rows * row * floats_a_pixel);
   AlignedFloats memory = allocate_floats(floats);
   std::fill_n(memory.get(), floats, 0.0F);
   float* origin = memory.get() + (margins.above * row + left) * floats_a_pixel;
-  return {origin, row * floats_a_pixel, largest.width, largest.height, std::move(memory)};
+  return {origin, row * floats_a_pixel, largest.width(), largest.height(), std::move(memory)};
 }
 
 }  // namespace ringsplat

@@ -5,6 +5,8 @@
 #include <limits>
 #include <memory>
 
+#include "screen/regions.hpp"
+
 namespace ringsplat {
 
 struct FreeAlignedFloats {
@@ -57,13 +59,9 @@ struct Margins {
   std::ptrdiff_t left, right, above, below;
 };
 
-/// Size of the largest region that a slice buffer serves, in pixels.
-struct RegionSize {
-  int width = 1, height = 1;
-};
-
-/// A slice buffer for the largest region, all 0. Margins are widened to whole pixel blocks.
-SliceBuffer make_slice_buffer(const Margins& margins, RegionSize largest);
+/// A slice buffer for regions that are no larger than `largest`, all 0. Margins are widened to whole pixel
+/// blocks.
+SliceBuffer make_slice_buffer(const Margins& margins, const PixelRect& largest);
 
 /// Composites `floats` floats of a slice's row behind the image's, and clears them in the slice. Pixels are
 /// premultiplied RGBA; C = fma(1 − A, c, C) and A = fma(1 − A, a, A) in float32, with a and c clamped to [0,

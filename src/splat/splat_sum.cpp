@@ -6,14 +6,14 @@
 
 namespace ringsplat {
 
-SplatSum::SplatSum(const FrameKernel& kernel, RegionSize largest)
+SplatSum::SplatSum(const FrameKernel& kernel, const PixelRect& largest)
     : reach_(kernel_reach(kernel.footprint)), kernel_(kernel) {
   const bool by_anchors = std::holds_alternative<StencilWeights>(kernel.weights);
   // With a stencil splats are added without clipping, and zeros go to the margins. All others' rows are
   // clipped to the region, but for the rest of the last vector.
   buffer_ = make_slice_buffer(by_anchors ? window_margins(reach_) : Margins{0, 16, 0, 0}, largest);
   if (by_anchors) stencil_ = make_stencil(kernel.footprint, buffer_.row_floats);
-  runs_.resize(std::size_t(largest.height + (by_anchors ? 2 * reach_.y + 1 : 0)));
+  runs_.resize(std::size_t(largest.height() + (by_anchors ? 2 * reach_.y + 1 : 0)));
 }
 
 void SplatSum::begin(RegionImage& image) {

@@ -77,7 +77,9 @@ DrawCounts draw_splats(const SliceBuffer& slice, const FrameKernel& kernel, cons
 /// processor, the region size or the other splats.
 class SplatSum {
  public:
-  SplatSum(const FrameKernel& kernel, RegionSize largest);
+  /// No region may be larger than `largest`: of a frame's that is the first, as only those at the image's
+  /// edge differ.
+  SplatSum(const FrameKernel& kernel, const PixelRect& largest);
 
   /// Begins a slice of a region. `image` must outlive the slice; its frame has begun.
   void begin(RegionImage& image);

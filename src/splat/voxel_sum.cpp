@@ -112,15 +112,16 @@ template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelBl
 template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelBlocks<ByteVoxel>&,
                                   std::uint64_t);
 
-VoxelSum::VoxelSum(AlignedFrame frame, RegionSize largest) : frame_(std::move(frame)) {
+VoxelSum::VoxelSum(AlignedFrame frame, const PixelRect& largest) : frame_(std::move(frame)) {
   const KernelReach reach = frame_.reach();
   const Margins margins = window_margins(reach);
   rows_.left = int(in_whole_blocks(margins.left));
   rows_.buffer = make_slice_buffer(margins, largest);
 
-  const int inside = int(in_whole_blocks(largest.width)), behind = int(2 * reach.x) + 1 + largest_step;
+  const int inside = int(in_whole_blocks(largest.width())), behind = int(2 * reach.x) + 1 + largest_step;
   const std::size_t words = std::size_t(rows_.left + inside + behind) / 64 + 2;  // the last one is 0
-  const std::size_t above = std::size_t(reach.y) + 1, anchors = above + std::size_t(largest.height + reach.y);
+  const std::size_t above = std::size_t(reach.y) + 1,
+                    anchors = above + std::size_t(largest.height() + reach.y);
   filled_.assign(1 + anchors * words + 1, 0);
   covered_.assign(words, 0);
   rows_.row_words = words;

@@ -64,7 +64,7 @@ void take_out(const VoxelRows& voxels, int first, int end);
 /// as SplatSum of their splats, drawn row by row.
 class VoxelSum {
  public:
-  VoxelSum(AlignedFrame frame, RegionSize largest);
+  VoxelSum(AlignedFrame frame, const PixelRect& largest);  ///< as SplatSum's
 
   void begin(RegionImage& image);  ///< as SplatSum's
   /// Goes to a slice, given by its index, before the first of its regions.

@@ -41,10 +41,4 @@ class PayloadReader {
 std::unique_ptr<PayloadReader> make_word_reader(const SplatFrame& frame, const FrameKernel& kernel);
 std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel);
 
-/// No region is larger: all but those at the image's edge are as large as the first.
-inline RegionSize largest_region(const SplatFrame& frame) {
-  const PixelRect first = frame.geometry.regions.rect(0);
-  return {first.width(), first.height()};
-}
-
 }  // namespace ringsplat

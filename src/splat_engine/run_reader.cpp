@@ -117,7 +117,7 @@ template <class Voxel>
 class AlignedReader final : public RunCursor<Voxel> {
  public:
   AlignedReader(const SplatFrame& frame, const AlignedFrame& aligned)
-      : RunCursor<Voxel>(frame.geometry), sum_(aligned, largest_region(frame)) {}
+      : RunCursor<Voxel>(frame.geometry), sum_(aligned, frame.geometry.regions.rect(0)) {}
 
   void begin(int slice, const PayloadPart& part, RegionImage& image) override {
     sum_.begin(image);
@@ -143,7 +143,7 @@ class RunReader final : public RunCursor<Voxel> {
  public:
   RunReader(const SplatFrame& frame, const FrameKernel& kernel)
       : RunCursor<Voxel>(frame.geometry),
-        sum_(kernel, largest_region(frame)),
+        sum_(kernel, frame.geometry.regions.rect(0)),
         geometry_(frame.geometry),
         footprint_(frame.footprint),
         dda_(geometry_.view, geometry_.traversal.axis, geometry_.grid.slice_width(geometry_.traversal.axis)) {

@@ -13,7 +13,8 @@ namespace {
 
 class WordReader final : public PayloadReader {
  public:
-  WordReader(const SplatFrame& frame, const FrameKernel& kernel) : sum_(kernel, largest_region(frame)) {}
+  WordReader(const SplatFrame& frame, const FrameKernel& kernel)
+      : sum_(kernel, frame.geometry.regions.rect(0)) {}
 
   std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                  const std::function<bool(int)>& owned) const override {

@@ -25,7 +25,7 @@ class RegionPainter {
   void begin_frame(const FrameKernel& kernel, float opaque_threshold = 0) {
     image_.begin_frame(opaque_threshold);
     sum_.reset();
-    sum_.emplace(kernel, RegionSize{image_.rect().width(), image_.rect().height()});
+    sum_.emplace(kernel, image_.rect());
     sum_->begin(image_);
   }
   void begin_frame(const Footprint& footprint, float opaque_threshold = 0) {

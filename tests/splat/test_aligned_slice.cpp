@@ -99,7 +99,7 @@ std::vector<Block> to_blocks(const std::vector<Row>& runs) {
 }
 
 Painted paint_rows(const FrameKernel& kernel, const ViewTransform& view, const std::vector<Row>& runs) {
-  VoxelSum sum(aligned_frame(kernel, view), {width + 9, height + 5});
+  VoxelSum sum(aligned_frame(kernel, view), {0, 0, width + 9, height + 5});
   RegionImage image({left_x, top_y, left_x + width, top_y + height});
   sum.begin_slice(slice);
   sum.begin(image);
@@ -224,7 +224,7 @@ TEST_CASE("rows of voxels go from region to region") {
     }
   };
   const auto paint_second = [&](bool after_first) {
-    VoxelSum sum(aligned_frame(kernel, view), {second.width(), second.height()});
+    VoxelSum sum(aligned_frame(kernel, view), second);
     RegionImage image(first), other(second);
     sum.begin_slice(slice);
     if (after_first) {
@@ -243,7 +243,7 @@ TEST_CASE("rows of voxels go from region to region") {
 TEST_CASE("voxels that reach no pixel of a region leave it untouched, and its slice buffer empty") {
   const ViewTransform view = aligned_view(1, 1);
   const FrameKernel kernel = kernel_of(view, 1.6);
-  VoxelSum sum(aligned_frame(kernel, view), {width, height});
+  VoxelSum sum(aligned_frame(kernel, view), {0, 0, width, height});
   sum.begin_slice(slice);
   // A kernel's corner weights are 0: the voxel whose window's corner alone is in the region does not reach
   // it.
