@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/vec2.hpp>
 #include <limits>
 #include <vector>
 
@@ -43,19 +44,15 @@ struct LinearPart {
   double hidden_at(double t) const { return -std::expm1(-depth_at(t)); }
 };
 
-/// Integrals of h and t h, h = 1 − transmittance.
-struct Moments {
-  double zeroth = 0, first = 0;
-};
-Moments operator+(const Moments& a, const Moments& b) { return {a.zeroth + b.zeroth, a.first + b.first}; }
+/// Integrals of h (x) and t h (y), h = 1 − transmittance.
+using Moments = glm::dvec2;
 
 Moments lobatto(const LinearPart& part, double a, double b) {
   const Rule& rule = lobatto_rule();
-  Moments sum;
+  Moments sum(0.0);
   for (std::size_t i = 0; i < rule_nodes; ++i) {
     const double t = a + (b - a) * rule.node[i], h = (b - a) * rule.weight[i] * part.hidden_at(t);
-    sum.zeroth += h;
-    sum.first += t * h;
+    sum += Moments(h, t * h);
   }
   return sum;
 }
@@ -65,15 +62,9 @@ Moments halved(const LinearPart& part, double a, double b, const Moments& whole,
   const Moments front = lobatto(part, a, middle), back = lobatto(part, middle, b), both = front + back;
   // Of next to nothing a share would be below rounding, and halving would not end.
   const double tolerance = std::max(1e-12 * part.hidden_at(part.to), std::numeric_limits<double>::min());
-  if (std::abs(both.zeroth - whole.zeroth) <= tolerance && std::abs(both.first - whole.first) <= tolerance)
-    return both;
+  if (std::abs(both.x - whole.x) <= tolerance && std::abs(both.y - whole.y) <= tolerance) return both;
   if (halvings_left == 0 || !(a < middle && middle < b)) return both;
   return halved(part, a, middle, front, halvings_left - 1) + halved(part, middle, b, back, halvings_left - 1);
-}
-
-Moments moments(const LinearPart& part) {
-  constexpr int most_halvings = 30;
-  return halved(part, part.from, part.to, lobatto(part, part.from, part.to), most_halvings);
 }
 
 double mixed(double a, double b, double t) { return a == b ? a : (1 - t) * a + t * b; }
@@ -108,7 +99,8 @@ std::vector<double> cuts_at_knots(const std::vector<double>& knots, double front
 
 SlabIntegral integrate_slab(const TransferCurve& curve, double front, double back, double length) {
   const auto cuts = cuts_at_knots(curve.knots(), front, back);
-  Moments sum;
+  constexpr int most_halvings = 30;
+  Moments sum(0.0);
   glm::dvec3 colour(0.0);
   double depth = 0;
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
@@ -118,21 +110,21 @@ SlabIntegral integrate_slab(const TransferCurve& curve, double front, double bac
     depth = part.depth_at(part.to);
     if (std::isinf(depth)) {  // nothing is seen behind its front
       colour += (1 - before) * part.colour_from;
-      sum = sum + Moments{1 - part.from, 0.5 * (1 - part.from * part.from)};
+      sum += Moments(1 - part.from, 0.5 * (1 - part.from * part.from));
       break;
     }
     // By parts: the integral of c dh is c h at the ends less that of h dc.
-    const Moments here = moments(part);
+    const Moments here = halved(part, part.from, part.to, lobatto(part, part.from, part.to), most_halvings);
     colour += part.colour_to * -std::expm1(-depth) - part.colour_from * before -
-              (part.colour_to - part.colour_from) * (here.zeroth / (part.to - part.from));
-    sum = sum + here;
+              (part.colour_to - part.colour_from) * (here.x / (part.to - part.from));
+    sum += here;
   }
   SlabIntegral slab;
   slab.opacity = -std::expm1(-depth);
   if (!(slab.opacity > 0)) return {};
   slab.colour = glm::clamp(colour / slab.opacity, 0.0, 1.0);
-  slab.centroid = std::clamp(1 - sum.zeroth / slab.opacity, 0.0, 1.0);
-  const double square = 1 - 2 * sum.first / slab.opacity;
+  slab.centroid = std::clamp(1 - sum.x / slab.opacity, 0.0, 1.0);
+  const double square = 1 - 2 * sum.y / slab.opacity;
   slab.spread = std::sqrt(std::max(0.0, square - slab.centroid * slab.centroid));
   return slab;
 }
