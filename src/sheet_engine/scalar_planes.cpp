@@ -326,36 +326,15 @@ bool ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
 }
 
 template <class Number>
-void ScalarPlanes::extrapolate_block(Number* out, const Number* one, const Number* other,
-                                     std::uint32_t block) const {
-  const std::ptrdiff_t place = place_of(block);
-  const int across = wide(int(block) % columns_), down = high(int(block) / columns_);
-  for (int y = 0; y < down; ++y)
-    for (std::ptrdiff_t at = place + y * pitch_, end = at + across; at < end; ++at)
-      out[at] = static_cast<Number>(2 * one[at] - other[at]);
-}
-
-template <class Number>
-void ScalarPlanes::extrapolate_margin(Number* out, const Number* one, const Number* other) const {
-  const auto at = [&](std::ptrdiff_t place) {
-    out[place] = static_cast<Number>(2 * one[place] - other[place]);
-  };
-  for (int y = 0; y < height_; ++y) {
-    at(y * pitch_ - 1);
-    at(y * pitch_ + width_);
-  }
-  for (int x = -1; x <= width_; ++x) {
-    at(x - pitch_);
-    at(x + height_ * pitch_);
-  }
-}
-
-template <class Number>
 void ScalarPlanes::extrapolate_as(int step, int a, int b) {
-  const Place at = place_of_step(step), at_a = place_of_step(a), at_b = place_of_step(b);
-  auto* out = origin<Number>(at.memory);
+  const Place to = place_of_step(step), at_a = place_of_step(a), at_b = place_of_step(b);
+  auto* out = origin<Number>(to.memory);
   const auto *one = origin<Number>(at_a.memory), *other = origin<Number>(at_b.memory);
-  Slot& slot = at.slot;
+  const auto extrapolate_row = [=](std::ptrdiff_t first, std::ptrdiff_t numbers) {
+    for (std::ptrdiff_t at = first; at < first + numbers; ++at)
+      out[at] = static_cast<Number>(2 * one[at] - other[at]);
+  };
+  Slot& slot = to.slot;
   const Slot &before = at_a.slot, &after = at_b.slot;
   others_.clear();
   if (before.elsewhere == after.elsewhere && before.elsewhere != unknown) {
@@ -369,11 +348,15 @@ void ScalarPlanes::extrapolate_as(int step, int a, int b) {
     std::iota(others_.begin(), others_.end(), 0U);
   }
   for (const std::uint32_t block : others_) {
-    extrapolate_block(out, one, other, block);
+    const int column = int(block) % columns_, row = int(block) / columns_;
+    const std::ptrdiff_t place = place_of(block);
+    for (int y = 0; y < high(row); ++y) extrapolate_row(place + y * pitch_, wide(column));
     slot.holds[block] = unknown;
   }
   slot.others.swap(others_);
-  extrapolate_margin(out, one, other);
+  for (const int y : {-1, height_}) extrapolate_row(y * pitch_ - 1, width_ + 2);
+  for (int y = 0; y < height_; ++y)
+    for (const int x : {-1, width_}) extrapolate_row(y * pitch_ + x, 1);
 }
 
 void ScalarPlanes::extrapolate(int step, int a, int b) {

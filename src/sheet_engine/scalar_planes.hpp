@@ -92,10 +92,6 @@ class ScalarPlanes {
   void extrapolate_border(Number* plane);
   template <class Number>
   void extrapolate_as(int step, int a, int b);
-  template <class Number>
-  void extrapolate_block(Number* out, const Number* one, const Number* other, std::uint32_t block) const;
-  template <class Number>
-  void extrapolate_margin(Number* out, const Number* one, const Number* other) const;
   std::uint32_t blocks() const { return std::uint32_t(columns_) * std::uint32_t(rows_); }
   int wide(int column) const { return std::min(CellRanges::side, width_ - column * CellRanges::side); }
   int high(int row) const { return std::min(CellRanges::side, height_ - row * CellRanges::side); }
