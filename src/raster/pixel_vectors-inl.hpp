@@ -58,10 +58,6 @@ class Spread {
   decltype(hn::SetTableIndices(Floats(), static_cast<const std::int32_t*>(nullptr))) indices_[4];
 };
 
-HWY_INLINE void store_pixel(hn::Vec<FourFloats> colour, float* pixel) {
-  hn::StoreU(colour, FourFloats(), pixel);
-}
-
 /// Composites a slice's sums behind pixels of the image. Returns which of these are opaque now.
 HWY_INLINE hn::Mask<Floats> composite_pixels(FloatVector sums, FloatVector opaque, float* image) {
   const Floats d;

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include "raster/pixel_vectors-inl.hpp"
 
@@ -109,8 +108,8 @@ void WarpRow(const WarpedRow& row, float* screen) {
     const int count = std::min(row.end - first, most_places);
     find_places(row, first, count, places);
     for (int k = 0; k < count; ++k)
-      store_pixel(clamp_pixel(sum_columns(row.plane + places.tap[k], row.row_floats, places, k)),
-                  screen + std::ptrdiff_t{4} * (first + k));
+      hn::StoreU(clamp_pixel(sum_columns(row.plane + places.tap[k], row.row_floats, places, k)), FourFloats(),
+                 screen + std::ptrdiff_t{4} * (first + k));
   }
 }
 
@@ -196,15 +195,13 @@ Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp&
   const PixelWindow firsts{std::max<std::int64_t>(filled.x0 - 3, 0), std::max<std::int64_t>(filled.y0 - 3, 0),
                            std::min<std::int64_t>(filled.x1, plane.width - 4),
                            std::min<std::int64_t>(filled.y1, plane.height - 4)};
-  std::vector<WarpedRow> rows;
-  for (int y = 0; y < height; ++y) rows.push_back(seen_of_row(plane, firsts, warp, y, width));
   Image screen = Image::uninitialised(width, height);
   for (int y = 0; y < height; ++y) {
-    const WarpedRow& row = rows[std::size_t(y)];
+    const WarpedRow row = seen_of_row(plane, firsts, warp, y, width);
     std::fill(screen.pixel(0, y), screen.pixel(row.first, y), 0.0F);
     std::fill(screen.pixel(row.end, y), screen.pixel(0, y + 1), 0.0F);
+    HWY_DYNAMIC_DISPATCH(WarpRow)(row, screen.pixel(0, y));
   }
-  for (int y = 0; y < height; ++y) HWY_DYNAMIC_DISPATCH(WarpRow)(rows[std::size_t(y)], screen.pixel(0, y));
   return screen;
 }
 

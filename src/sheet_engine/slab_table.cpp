@@ -64,11 +64,6 @@ std::vector<SlabTable::Depth> depths_of(const TransferFunction& tf, const SlabTa
   return depths;
 }
 
-/// A slab that no entry shows may have been rounded away: it keeps its colour.
-std::uint64_t faint_slab(const glm::dvec3& colour) {
-  return packed({0, colour.r, colour.g, colour.b, 0.5, std::sqrt(1.0 / 12)});
-}
-
 /// By entry: the steepness' code of values near it.
 std::vector<int> steepness(const std::vector<double>& extinctions, double length) {
   const int last = TableAxis::last;
@@ -118,8 +113,12 @@ void SlabTable::set_length(double length) {
     }
   }
   if (!axis_->coarse) return;
-  for (std::size_t i = 0; i < size * size; ++i)
-    if ((entries_[i] & 0xffff) == 0) entries_[i] = faint_slab(curve_.colour[(i / size + i % size) / 2]);
+  // A slab that no entry shows may have been rounded away: it keeps its colour.
+  for (std::size_t i = 0; i < size * size; ++i) {
+    if ((entries_[i] & 0xffff) != 0) continue;
+    const glm::dvec3& colour = curve_.colour[(i / size + i % size) / 2];
+    entries_[i] = packed({0, colour.r, colour.g, colour.b, 0.5, std::sqrt(1.0 / 12)});
+  }
 }
 
 }  // namespace ringsplat

@@ -6,10 +6,6 @@
 namespace ringsplat {
 namespace {
 
-/// The largest of a plane's whole numbers. Extrapolations beyond the border, multiplied by up to `pieces`,
-/// and their differences fit 16 bits.
-double most_whole(int pieces) { return std::min(4095, 8190 / pieces); }
-
 /// A part of an opacity curve where it changes.
 struct Feature {
   double from, end, slope;  ///< the largest slope in it
@@ -106,7 +102,8 @@ double PlaneCode::finite(double value) const {
 PlaneCode PlaneCode::choose(ScalarType type, double low, double high, bool rounded, int pieces) {
   const bool whole_numbers = type != ScalarType::float32 && type != ScalarType::float64;
   if (whole_numbers) {
-    const double most = most_whole(pieces);
+    // Extrapolations beyond the border, multiplied by up to `pieces`, and their differences fit 16 bits.
+    const double most = std::min(4095, 8190 / pieces);
     if (high - std::floor(low) <= most) return {.offset = std::floor(low)};
     if (rounded) return {.offset = low, .scale = most / (high - low)};
   }

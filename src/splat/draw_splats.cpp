@@ -18,12 +18,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-HWY_INLINE Splat load_splat(const std::byte* bytes) {
-  Splat splat;
-  std::memcpy(&splat, bytes, sizeof splat);
-  return splat;
-}
-
 /// Whether a, b, c and the opacity are all numbers that a footprint can give.
 HWY_INLINE bool is_plausible(const Splat& splat) {
   const FourFloats d;
@@ -49,7 +43,8 @@ template <class DrawOne>
 HWY_INLINE DrawCounts draw_each(const SplatRun& run, DrawOne draw_one) {
   DrawCounts counts;
   for (std::size_t i = 0; i < run.count; ++i) {
-    const Splat splat = load_splat(run.bytes + i * sizeof(Splat));
+    Splat splat;
+    std::memcpy(&splat, run.bytes + i * sizeof splat, sizeof splat);
     if (is_plausible(splat) && draw_one(splat, run.base_x + splat.anchor_x, run.base_y + splat.anchor_y))
       ++counts.drawn;
   }

@@ -74,16 +74,14 @@ double LatticeSum::exact(glm::dvec2 lattice) const {
   return sum * weight_;
 }
 
-/// Computed for the same pixel wherever a row begins, so that its bits are always the same.
-float LatticeSum::factor_of_phase(int x, int y, glm::dvec2 voxel) const {
-  const glm::dvec2 lattice = to_lattice_ * (glm::dvec2(x + 0.5, y + 0.5) - voxel);
-  return static_cast<float>(1 / exact(lattice - glm::floor(lattice)));
-}
-
 void LatticeSum::fill_factors(std::int64_t x, std::int64_t y, glm::dvec2 voxel, float (&factors)[16]) const {
+  // Computed for the same pixel wherever a row begins, so that bits are always the same.
   float of_phase[largest_step];
-  for (int phase = 0; phase < phases_x_; ++phase)
-    of_phase[phase] = factor_of_phase(phase, int(phase_of(y, phases_y_)), voxel);
+  for (int phase = 0; phase < phases_x_; ++phase) {
+    const glm::dvec2 pixel(phase + 0.5, double(phase_of(y, phases_y_)) + 0.5),
+        lattice = to_lattice_ * (pixel - voxel);
+    of_phase[phase] = static_cast<float>(1 / exact(lattice - glm::floor(lattice)));
+  }
   for (int column = 0; column < largest_step; ++column)
     std::fill_n(factors + std::ptrdiff_t{4} * column, 4, of_phase[phase_of(x + column, phases_x_)]);
 }

@@ -38,8 +38,6 @@ class LatticeSum {
   void fill_factors(std::int64_t x, std::int64_t y, glm::dvec2 voxel, float (&factors)[16]) const;
 
  private:
-  float factor_of_phase(int x, int y, glm::dvec2 voxel) const;
-
   int phases_x_ = 0, phases_y_ = 0;  ///< pixels from voxel to voxel if these are whole numbers, else 0
   glm::dmat2 to_lattice_{1.0};       ///< from pixels
   glm::dmat2 form_{1.0};             ///< lattice offsets to kernel radii: Q = 1 − |form · offset|²
