@@ -172,11 +172,11 @@ class FrameEngine final : public Engine {
     return parts_.encoder(std::move(its), *kept);
   }
 
-  Painter& painter(int renderer, const Announcement& a) override {
+  std::shared_ptr<Painter> painter(int renderer, const Announcement& a) override {
     auto& painter = painters_[renderer];
     if (!painter) painter = parts_.painter(renderer);
     painter->begin_frame(frame(a));
-    return *painter;
+    return painter;
   }
 
   std::unique_ptr<Canvas> canvas(const Announcement& a) override {
@@ -208,7 +208,7 @@ class FrameEngine final : public Engine {
   TakePicture take_;
   std::deque<std::shared_ptr<const Frame>> frames_;               ///< in flight; the rank's nodes share them
   std::map<int, std::unique_ptr<Kept>> kept_;                     ///< by level
-  std::map<int, std::unique_ptr<FramePainter<Frame>>> painters_;  ///< by Renderer
+  std::map<int, std::shared_ptr<FramePainter<Frame>>> painters_;  ///< by Renderer
 };
 
 }  // namespace ringsplat

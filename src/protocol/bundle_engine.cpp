@@ -170,25 +170,25 @@ class BundleEncoder final : public EncoderDecorator {
 
 class BundlePainter final : public PainterDecorator {
  public:
-  BundlePainter(Painter& inner, int renderer, Bundles bundles)
-      : PainterDecorator(inner), renderer_(renderer), bundles_(std::move(bundles)) {}
+  BundlePainter(std::shared_ptr<Painter> inner, int renderer, Bundles bundles)
+      : PainterDecorator(std::move(inner)), renderer_(renderer), bundles_(std::move(bundles)) {}
 
   void begin(const PayloadToDraw& payload) override {
     read(payload);
     next_ = 0;
-    inner_.begin(slices_.front());
+    inner_->begin(slices_.front());
   }
 
   bool work() override {
-    if (!inner_.work()) return false;
+    if (!inner_->work()) return false;
     if (++next_ == slices_.size()) return true;
-    inner_.begin(slices_[next_]);
+    inner_->begin(slices_[next_]);
     return false;
   }
 
   void skip(const PayloadToDraw& payload) override {
     read(payload);
-    for (const PayloadToDraw& slice : slices_) inner_.skip(slice);
+    for (const PayloadToDraw& slice : slices_) inner_->skip(slice);
   }
 
  private:
@@ -232,14 +232,14 @@ class BundleEngine final : public EngineDecorator {
     return plan_of_bundles(of_slices, Bundles(of_slices, bundle_));
   }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
+ private:
     const FramePlan of_slices = inner_->plan(a);
     return std::make_unique<BundleEncoder>(inner_->encoder(gp, a), gp, of_slices,
                                            Bundles(of_slices, bundle_));
   }
 
- private:
-  std::unique_ptr<Painter> make_painter(int renderer, const Announcement& a) override {
-    return std::make_unique<BundlePainter>(inner_->painter(renderer, a), renderer,
+  std::shared_ptr<Painter> painter(int renderer, const Announcement& a) override {
+    return std::make_shared<BundlePainter>(inner_->painter(renderer, a), renderer,
                                            Bundles(inner_->plan(a), bundle_));
   }
 

@@ -145,7 +145,7 @@ class Engine {
   virtual FramePlan plan(const Announcement& announcement) = 0;
   virtual std::unique_ptr<Encoder> encoder(int gp, const Announcement& announcement) = 0;
   /// Valid until the Renderer's next frame is asked for.
-  virtual Painter& painter(int renderer, const Announcement& announcement) = 0;
+  virtual std::shared_ptr<Painter> painter(int renderer, const Announcement& announcement) = 0;
   virtual std::unique_ptr<Canvas> canvas(const Announcement& announcement) = 0;
 };
 

@@ -1,5 +1,4 @@
 #pragma once
-#include <map>
 #include <memory>
 #include <utility>
 
@@ -27,20 +26,19 @@ class EncoderDecorator : public Encoder {
 
 class PainterDecorator : public Painter {
  public:
-  /// `inner` must outlive it.
-  explicit PainterDecorator(Painter& inner) : inner_(inner) {}
-  bool prepare() override { return inner_.prepare(); }
-  void begin(const PayloadToDraw& payload) override { inner_.begin(payload); }
-  bool work() override { return inner_.work(); }
-  void skip(const PayloadToDraw& payload) override { inner_.skip(payload); }
-  bool conclude() override { return inner_.conclude(); }
-  void news(int gp, Bytes& news) override { inner_.news(gp, news); }
-  ItemCounts counts() const override { return inner_.counts(); }
-  double composite_seconds() const override { return inner_.composite_seconds(); }
-  void finish(const std::function<void(int tile, Bytes bytes)>& deliver) override { inner_.finish(deliver); }
+  explicit PainterDecorator(std::shared_ptr<Painter> inner) : inner_(std::move(inner)) {}
+  bool prepare() override { return inner_->prepare(); }
+  void begin(const PayloadToDraw& payload) override { inner_->begin(payload); }
+  bool work() override { return inner_->work(); }
+  void skip(const PayloadToDraw& payload) override { inner_->skip(payload); }
+  bool conclude() override { return inner_->conclude(); }
+  void news(int gp, Bytes& news) override { inner_->news(gp, news); }
+  ItemCounts counts() const override { return inner_->counts(); }
+  double composite_seconds() const override { return inner_->composite_seconds(); }
+  void finish(const std::function<void(int tile, Bytes bytes)>& deliver) override { inner_->finish(deliver); }
 
  protected:
-  Painter& inner_;
+  std::shared_ptr<Painter> inner_;
 };
 
 class EngineDecorator : public Engine {
@@ -48,19 +46,10 @@ class EngineDecorator : public Engine {
   explicit EngineDecorator(std::unique_ptr<Engine> inner) : inner_(std::move(inner)) {}
   FramePlan plan(const Announcement& a) override { return inner_->plan(a); }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override { return inner_->encoder(gp, a); }
-  Painter& painter(int renderer, const Announcement& a) final {
-    return *(painters_[renderer] = make_painter(renderer, a));
-  }
   std::unique_ptr<Canvas> canvas(const Announcement& a) override { return inner_->canvas(a); }
 
  protected:
-  /// The Renderer's painter of a frame.
-  virtual std::unique_ptr<Painter> make_painter(int renderer, const Announcement& a) = 0;
-
   std::unique_ptr<Engine> inner_;
-
- private:
-  std::map<int, std::unique_ptr<Painter>> painters_;  ///< by Renderer, of its last frame
 };
 
 }  // namespace ringsplat

@@ -72,7 +72,7 @@ class Renderer final : public Node {
     std::map<std::uint32_t, Message> payloads;       ///< by sequence: not yet drawn, accepted or not
     std::uint32_t next = 0;                          ///< sequence of the payload to draw now
     std::optional<std::uint32_t> payloads_expected;  ///< known once the last GP has ended the frame
-    Painter* painter = nullptr;                      ///< set only in the frame being drawn
+    std::shared_ptr<Painter> painter;                ///< set only in the frame being drawn
     bool painting = false;                           ///< payload `next` is being drawn
     bool dropped = false;
     NodeStats stats;
@@ -124,7 +124,7 @@ class Renderer final : public Node {
   }
 
   void begin_drawing(Frame& frame) {
-    frame.painter = &my_.engine.painter(my_.index, frame.announcement);
+    frame.painter = my_.engine.painter(my_.index, frame.announcement);
     // A Renderer without a tile has no token.
     if (!my_.engine.plan(frame.announcement).drawing(my_.layout.renderers)[std::size_t(my_.index)])
       frame.payloads_expected = 0;

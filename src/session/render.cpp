@@ -100,7 +100,9 @@ class Engines final : public Engine {
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
     return engine_of(a).encoder(gp, a);
   }
-  Painter& painter(int renderer, const Announcement& a) override { return engine_of(a).painter(renderer, a); }
+  std::shared_ptr<Painter> painter(int renderer, const Announcement& a) override {
+    return engine_of(a).painter(renderer, a);
+  }
   std::unique_ptr<Canvas> canvas(const Announcement& a) override { return engine_of(a).canvas(a); }
 
  private:

@@ -170,12 +170,11 @@ class CountingEngine final : public EngineDecorator {
     return std::make_unique<CountingEncoder>(inner_->encoder(gp, a), inner_->plan(a),
                                              Weights{voxel_weight_, sheets ? 1 : voxel_weight_});
   }
-
- private:
-  std::unique_ptr<Painter> make_painter(int renderer, const Announcement& a) override {
-    return std::make_unique<CountingPainter>(renderer, inner_->plan(a));
+  std::shared_ptr<Painter> painter(int renderer, const Announcement& a) override {
+    return std::make_shared<CountingPainter>(renderer, inner_->plan(a));
   }
 
+ private:
   double voxel_weight_;
 };
 

@@ -107,30 +107,31 @@ class ChargedEncoder final : public EncoderDecorator {
 /// as long as the Renderer can keep more slices, and at the end.
 class ChargedPainter final : public PainterDecorator {
  public:
-  ChargedPainter(Painter& inner, const Machine& machine, const SlicesOf& slices_of, bool sheets)
-      : PainterDecorator(inner), machine_(machine), slices_of_(slices_of), sheets_(sheets) {
+  ChargedPainter(std::shared_ptr<Painter> inner, const Machine& machine, const SlicesOf& slices_of,
+                 bool sheets)
+      : PainterDecorator(std::move(inner)), machine_(machine), slices_of_(slices_of), sheets_(sheets) {
     debt_.owe(machine.renderer.frame);
   }
 
-  bool prepare() override { return debt_.pay() || inner_.prepare() || pay_for_samples(); }
+  bool prepare() override { return debt_.pay() || inner_->prepare() || pay_for_samples(); }
   void begin(const PayloadToDraw& payload) override {
-    before_ = inner_.counts();
-    inner_.begin(payload);
+    before_ = inner_->counts();
+    inner_->begin(payload);
     passes_ = payload.passes;
     slices_ = slices_of_(payload.body);
     painted_ = false;
   }
   bool work() override {
     if (!painted_) {
-      if (debt_.pay() || !inner_.work()) return false;
+      if (debt_.pay() || !inner_->work()) return false;
       painted_ = true;
-      owe_for_payload(inner_.counts());
+      owe_for_payload(inner_->counts());
     }
     return !debt_.pay() && !(slices_kept_ > most_slices_kept && pay_for_samples());
   }
-  bool conclude() override { return inner_.conclude() || pay_for_samples(); }
+  bool conclude() override { return inner_->conclude() || pay_for_samples(); }
   void finish(const std::function<void(int, Bytes)>& deliver) override {
-    inner_.finish([&](int tile, Bytes bytes) {
+    inner_->finish([&](int tile, Bytes bytes) {
       constexpr double bytes_of_pixel = 4 * sizeof(float);
       charge(machine_.renderer.pixel * double(Message::body_size(bytes)) / bytes_of_pixel);
       deliver(tile, std::move(bytes));
@@ -184,10 +185,11 @@ class ChargedEngine final : public EngineDecorator {
                                             has_work(gp, plan(a)));
   }
 
- private:
-  std::unique_ptr<Painter> make_painter(int renderer, const Announcement& a) override {
-    return std::make_unique<ChargedPainter>(inner_->painter(renderer, a), machine_, slices_of_, of_sheets(a));
+  std::shared_ptr<Painter> painter(int renderer, const Announcement& a) override {
+    return std::make_shared<ChargedPainter>(inner_->painter(renderer, a), machine_, slices_of_, of_sheets(a));
   }
+
+ private:
   static bool of_sheets(const Announcement& a) { return method_of(a.body) == Sheets::name; }
   static bool has_work(int gp, const FramePlan& plan) {
     for (const FramePlan::Tile& tile : plan.tiles)

@@ -81,11 +81,11 @@ TEST_CASE("a damaged payload of a bundle is refused with the Renderer's and the 
   const auto engine = make_bundle_engine(std::make_unique<ToyEngine>(), 4);
   const Announcement frame = announcement(0, part_of_a_volume);
   const Bytes whole = encoded(*engine->encoder(1, frame), 1).parts.front().payload;
-  Painter& painter = engine->painter(0, frame);
+  const auto painter = engine->painter(0, frame);
   const auto body = [](const Bytes& wire) { return std::span(wire).subspan(sizeof(Header)); };
   const auto draw = [&](int bundle, const Bytes& wire) {
-    painter.begin({bundle, 4, body(wire)});
-    while (!painter.work()) {
+    painter->begin({bundle, 4, body(wire)});
+    while (!painter->work()) {
     }
   };
   const auto refused = Catch::Matchers::Contains("Renderer 0 got a payload of bundle");

@@ -161,8 +161,8 @@ class ToyEngine final : public Engine {
     encoders[a.frame] = made.get();
     return made;
   }
-  Painter& painter(int renderer, const Announcement& a) override {
-    return *(painter_ = std::make_unique<ToyPainter>(renderer, a));
+  std::shared_ptr<Painter> painter(int renderer, const Announcement& a) override {
+    return painter_ = std::make_shared<ToyPainter>(renderer, a);
   }
   std::unique_ptr<Canvas> canvas(const Announcement& a) override {
     class ToyCanvas final : public Canvas {
@@ -189,7 +189,7 @@ class ToyEngine final : public Engine {
   std::map<std::int64_t, bool> finished;
 
  private:
-  std::unique_ptr<ToyPainter> painter_;
+  std::shared_ptr<ToyPainter> painter_;
 };
 
 /// Frames from a list.
