@@ -43,34 +43,18 @@ class Bundles {
   std::vector<int> begins_;  ///< steps of slices, and the end of the last bundle
 };
 
-FramePlan plan_of_bundles(const FramePlan& of_slices, const Bundles& bundles) {
-  FramePlan plan;
-  plan.ascending = of_slices.ascending;
-  plan.tiles = of_slices.tiles;
-  plan.first_slice = of_slices.first_slice;
-  for (int bundle = 0; bundle < bundles.count(); ++bundle) {
-    plan.owners.push_back(of_slices.owners[std::size_t(bundles.begin(bundle))]);
-    plan.slices_of_steps.push_back(bundles.slices(bundle));
-  }
-  return plan;
-}
-
 /// A slice's payload for a Renderer.
 struct SlicePayload {
   BundlePart head;
   Bytes body;  ///< as a message's
 };
 
-std::size_t joined_bytes(const std::vector<SlicePayload>& slices) {
-  std::size_t bytes = 0;
-  for (const SlicePayload& slice : slices) bytes = joined_with(bytes, slice.head.bytes);
-  return bytes;
-}
-
 /// The payload of a bundle, which empties `slices`.
 Bytes join(std::vector<SlicePayload>& slices) {
+  std::size_t bytes = 0;
+  for (const SlicePayload& slice : slices) bytes = joined_with(bytes, slice.head.bytes);
   Bytes body = Message::body_buffer();
-  body.reserve(body.size() + joined_bytes(slices));
+  body.reserve(body.size() + bytes);
   for (SlicePayload& slice : slices) {
     body.insert(body.end(), padding(body.size()), std::byte{0});
     append(body, slice.head);
@@ -228,11 +212,16 @@ class BundleEngine final : public EngineDecorator {
       : EngineDecorator(std::move(inner)), bundle_(bundle) {}
 
   FramePlan plan(const Announcement& a) override {
-    const FramePlan of_slices = inner_->plan(a);
-    return plan_of_bundles(of_slices, Bundles(of_slices, bundle_));
+    FramePlan plan = inner_->plan(a);
+    const Bundles bundles(plan, bundle_);
+    const std::vector<int> of_slices = std::exchange(plan.owners, {});
+    for (int bundle = 0; bundle < bundles.count(); ++bundle) {
+      plan.owners.push_back(of_slices[std::size_t(bundles.begin(bundle))]);
+      plan.slices_of_steps.push_back(bundles.slices(bundle));
+    }
+    return plan;
   }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
- private:
     const FramePlan of_slices = inner_->plan(a);
     return std::make_unique<BundleEncoder>(inner_->encoder(gp, a), gp, of_slices,
                                            Bundles(of_slices, bundle_));
@@ -243,6 +232,7 @@ class BundleEngine final : public EngineDecorator {
                                            Bundles(inner_->plan(a), bundle_));
   }
 
+ private:
   int bundle_;
 };
 

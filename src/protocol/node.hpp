@@ -8,7 +8,6 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "base/byte_stream.hpp"
 #include "base/clock.hpp"
@@ -101,7 +100,10 @@ class NodeBook {
     stats->*(turn.activity ? node_seconds[std::size_t(*turn.activity)] : &NodeStats::idle) +=
         now - begin - compositing;
     stats->compositing += compositing;
-    if (trace_ != nullptr && turn.activity) add_spans(turn, begin, now);
+    if (trace_ == nullptr || !turn.activity) return;
+    const double composited = std::max(begin, now - turn.compositing);
+    trace_->add(*turn.activity, turn.frame, turn.step, begin, composited);
+    if (composited < now) trace_->add(Activity::composite, turn.frame, turn.step, composited, now);
   }
 
   /// Puts a moment into the timeline.
@@ -110,12 +112,6 @@ class NodeBook {
   }
 
  private:
-  void add_spans(const Turn& turn, double begin, double end) {
-    const double composited = std::max(begin, end - turn.compositing);
-    trace_->add(*turn.activity, turn.frame, turn.step, begin, composited);
-    if (composited < end) trace_->add(Activity::composite, turn.frame, turn.step, composited, end);
-  }
-
   NodeTrace* trace_;
   double last_time_;
 };

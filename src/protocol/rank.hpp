@@ -15,7 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "base/byte_stream.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "net/lock_step.hpp"
@@ -161,16 +160,16 @@ class Host {
     if (h.kind == Kind::announcement || h.kind == Kind::drop || h.kind == Kind::shutdown)
       return announce(std::move(message));
     if (h.kind == Kind::stall) return report_stall();
-    Node* node = local_node(h.to());
-    if (node == nullptr)
+    const auto node = std::ranges::find(nodes_, h.to(), [](const auto& one) { return one->id(); });
+    if (node == nodes_.end())
       throw RunError(fmt::format("rank {} got a {} for {}, which it does not host", rank(), name(h.kind),
                                  to_string(h.to())));
     // The network does not keep an order; only the frame buffer knows a frame before its announcement is
     // here.
-    if (h.frame >= next_frame_ && node->id() != frame_buffer_id)
+    if (h.frame >= next_frame_ && h.to() != frame_buffer_id)
       early_messages_.push_back(std::move(message));
     else
-      node->receive(std::move(message));
+      (*node)->receive(std::move(message));
   }
 
   void take_announcement(const Message& message) {
@@ -215,12 +214,6 @@ class Host {
       static_cast<void>(transport_.sends_done());
       transport_.wait_next();
     }
-  }
-
-  Node* local_node(NodeId id) {
-    for (const auto& node : nodes_)
-      if (node->id() == id) return node.get();
-    return nullptr;
   }
 
   Layout layout_;
