@@ -102,7 +102,7 @@ void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
   const auto [points, stands_for] =
       enough(shown_.of(*setup_.sketch, spec.shown.transfer_function, shown_blocks(g, costs)), dealt_to);
   const WorkEstimate work(g, *setup_.sketch, points, costs, spec.shown.reduction.factor, -1, stands_for);
-  std::vector<double> busy;
+  std::vector<double> busy(std::size_t(dealt_to), 0.0);
   if (setup_.colocated) busy = busy_ranks(g, work, costs, setup_.dealing(), setup_.renderers, dealt_to);
   deal_by_work(g, work, costs, spec, setup_.renderers, busy);
 }

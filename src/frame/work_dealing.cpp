@@ -154,22 +154,20 @@ WorkCosts costs_in(const FrameGeometry& g, WorkCosts costs) {
 
 void deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs, const FrameSpec& spec,
                   int renderers, const std::vector<double>& busy) {
-  const int dealt_to = g.dealt_to > 0 ? std::min(g.dealt_to, renderers) : renderers;
-  if (dealt_to < 2 || (!g.in_parts && !work.telling())) return;
-  const std::vector<double> idle(std::size_t(dealt_to), 0.0);
-  const std::vector<double>& loads = busy.empty() ? idle : busy;
+  if (busy.size() < 2 || (!g.in_parts && !work.telling())) return;
   const double payload = costs.payload * work.slices_of_layer();
   if (g.in_parts) {
-    g.dealt = side_by_side(g, work, payload, loads);
+    g.dealt = side_by_side(g, work, payload, busy);
   } else {
-    const auto best = costliest_first(g, work, payload, spec, loads);
+    const auto best = costliest_first(g, work, payload, spec, busy);
     if (!best) return;
     g.regions = best->regions;
     g.reached = best->reached;
     g.dealt = best->owner;
   }
   for (int& owner : g.dealt)
-    if (owner != RegionOwners::nobody) owner = int(std::int64_t{owner} * renderers / dealt_to);
+    if (owner != RegionOwners::nobody)
+      owner = int(std::int64_t{owner} * renderers / std::int64_t(busy.size()));
 }
 
 std::vector<double> busy_ranks(const FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs,

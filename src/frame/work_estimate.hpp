@@ -126,7 +126,7 @@ WorkCosts costs_in(const FrameGeometry& geometry, WorkCosts costs);
 /// each to the Renderer with the least so far (Graham 1969, longest processing time first), of several sizes
 /// where none is asked for: smaller ones are dealt more evenly, larger ones cut less; they are left as they
 /// are where the estimate says little. `busy`: by Renderer that gets regions, seconds that its rank is busy
-/// otherwise; empty: not at all. Every rank finds the same; no bit of the picture depends on it.
+/// otherwise. Every rank finds the same; no bit of the picture depends on it.
 void deal_by_work(FrameGeometry& geometry, const WorkEstimate& work, const WorkCosts& costs,
                   const FrameSpec& spec, int renderers, const std::vector<double>& busy);
 

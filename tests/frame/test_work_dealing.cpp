@@ -98,9 +98,9 @@ TEST_CASE("regions dealt by work are shared more evenly than regions dealt in tu
       FrameGeometry in_turn = make_geometry(of_many, grid), g = in_turn, again = in_turn;
       const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
       REQUIRE(work.telling());
-      deal_by_work(g, work, costs, of_many, renderers, {});
+      deal_by_work(g, work, costs, of_many, renderers, std::vector<double>(std::size_t(renderers)));
       REQUIRE(!g.dealt.empty());
-      deal_by_work(again, work, costs, of_many, renderers, {});
+      deal_by_work(again, work, costs, of_many, renderers, std::vector<double>(std::size_t(renderers)));
       CHECK(g.dealt == again.dealt);
       CHECK(g.regions == again.regions);
       CAPTURE(renderers, sheets);
@@ -133,7 +133,8 @@ TEST_CASE("many Renderers' sheets of small blocks lie side by side, and most sta
       REQUIRE(g.in_parts);
       const WorkCosts costs = costs_in(g, usual_sheet_costs);
       const auto shown = points.of(sketch, spec.shown.transfer_function, shown_blocks(g, costs));
-      deal_by_work(g, estimate.emplace(g, sketch, shown, costs, 1), costs, spec, renderers, {});
+      deal_by_work(g, estimate.emplace(g, sketch, shown, costs, 1), costs, spec, renderers,
+                   std::vector<double>(std::size_t(renderers)));
       return g;
     };
     const FrameGeometry turned = dealt(32), first = dealt(30);
@@ -203,7 +204,7 @@ TEST_CASE("with hardly a visible voxel, regions are dealt in turn") {
   FrameGeometry g = make_geometry(spec, grid);
   ShownPoints points;
   const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), only_voxels, 1);
-  deal_by_work(g, work, only_voxels, spec, 4, {});
+  deal_by_work(g, work, only_voxels, spec, 4, {0, 0, 0, 0});
   CHECK(g.dealt.empty());
 }
 
