@@ -4,7 +4,6 @@
 #include <cstring>
 #include <span>
 
-#include "frame/frame_spec_bytes.hpp"
 #include "net/message.hpp"
 #include "raster/opaque_tiles.hpp"
 #include "raster/warp_image.hpp"
@@ -112,13 +111,6 @@ std::unique_ptr<Canvas> make_picture_canvas(std::int64_t number, const Shown& sh
   return std::make_unique<PictureCanvas>(number, shown, std::move(geometry), std::move(take));
 }
 
-void check_loaded(const SliceStore& store, Axis traversed, std::int64_t number) {
-  if (!store.keeps(traversed))
-    throw RunError(
-        fmt::format("frame {} traverses the {} axis, whose slices were not loaded", number, name(traversed)),
-        "load it with --axes all");
-}
-
 void OwnedImages::begin_frame(const FrameGeometry& g, double opaque_threshold) {
   RegionOwners owners = g.owners(renderers_);
   if (!(regions_ == g.regions && owners_ == owners)) {
@@ -153,13 +145,6 @@ void OwnedImages::deliver(const std::function<void(int, Bytes)>& deliver) const 
     images_[k].read_tile({reinterpret_cast<float*>(body.data() + sizeof(Header)), floats});
     deliver(owned_[k], std::move(body));
   }
-}
-
-FrameSpec announced_spec(const Announcement& a) {
-  FrameSpec spec = decode_frame_spec(a.body);
-  if (spec.frame != a.frame)
-    throw RunError(fmt::format("rank 0 told of frame {} in a message about frame {}", spec.frame, a.frame));
-  return spec;
 }
 
 }  // namespace ringsplat

@@ -13,6 +13,7 @@
 #include "base/thread_team.hpp"
 #include "frame/engine_setup.hpp"
 #include "frame/frame_geometry.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "protocol/engine.hpp"
 #include "raster/region_image.hpp"
 #include "ringsplat/base/error.hpp"
@@ -45,12 +46,6 @@ class RegionDealer {
   ShownPoints shown_;
 };
 
-/// Throws RunError unless the store has the slices that frame `number` traverses.
-void check_loaded(const SliceStore& store, Axis traversed, std::int64_t number);
-
-/// What rank 0 announced. Throws RunError when the bytes are no description of that frame.
-FrameSpec announced_spec(const Announcement& announcement);
-
 /// A GP's encoder of one frame of slices in a store, which must outlive it. Throws RunError when the slices
 /// that the frame traverses were not loaded.
 template <class Frame>
@@ -58,7 +53,10 @@ class FrameEncoder : public Encoder {
  public:
   FrameEncoder(std::shared_ptr<const Frame> frame, const SliceStore& store)
       : frame_(std::move(frame)), whole_store_(store), store_(store.level(frame_->shown.reduction.factor)) {
-    check_loaded(store_, axis(), frame_->number);
+    if (!store_.keeps(axis()))
+      throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded",
+                                 frame_->number, name(axis())),
+                     "load it with --axes all");
   }
 
   EncodeCounts left_out(std::size_t steps) const override {
@@ -188,15 +186,18 @@ class FrameEngine final : public Engine {
   using Frame = typename Parts::Frame;
   using Kept = typename Parts::Kept;
 
-  /// The announced frame, which is made when it is new. Throws RunError when it cannot be: another rank
-  /// announced it, so no input of this one is to blame.
+  /// The announced frame, which is made when it is new. Throws RunError when the bytes are no description of
+  /// it, or when it cannot be: another rank announced it, so no input of this one is to blame.
   std::shared_ptr<const Frame> frame(const Announcement& a) {
     for (const auto& known : frames_)
       if (known->number == a.frame) return known;
     constexpr std::size_t most_remembered = 4;
     if (frames_.size() == most_remembered) frames_.pop_front();
     try {
-      const FrameSpec spec = announced_spec(a);
+      const FrameSpec spec = decode_frame_spec(a.body);
+      if (spec.frame != a.frame)
+        throw RunError(
+            fmt::format("rank 0 told of frame {} in a message about frame {}", spec.frame, a.frame));
       check(spec);
       return frames_.emplace_back(parts_.frame(spec));
     } catch (const InputError& e) {
