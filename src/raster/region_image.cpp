@@ -36,7 +36,11 @@ void RegionImage::slices_composited(int slices) {
   constexpr int slices_between = 8;
   const int looks = slices_ / slices_between;
   slices_ += slices;
-  if (opaque_threshold_ > 0 && slices_ / slices_between > looks) find_opaque_tiles();
+  if (!(opaque_threshold_ > 0 && slices_ / slices_between > looks)) return;
+  for (int row = 0; row < tiles_.rows(); ++row)
+    for (int column = 0; column < tiles_.columns(); ++column)
+      if (!tiles_.is_opaque(column, row) && is_opaque(column, row)) tiles_.set_opaque(column, row);
+  tiles_.sum_up();
 }
 
 bool RegionImage::is_opaque(int column, int row) const {
@@ -49,13 +53,6 @@ bool RegionImage::is_opaque(int column, int row) const {
       if (!(1.0F - alpha[x * floats_a_pixel] < opaque_threshold_)) return false;
   }
   return true;
-}
-
-void RegionImage::find_opaque_tiles() {
-  for (int row = 0; row < tiles_.rows(); ++row)
-    for (int column = 0; column < tiles_.columns(); ++column)
-      if (!tiles_.is_opaque(column, row) && is_opaque(column, row)) tiles_.set_opaque(column, row);
-  tiles_.sum_up();
 }
 
 void RegionImage::read_tile(std::span<float> rgba) const {

@@ -48,7 +48,6 @@ class RegionImage {
 
  private:
   bool is_opaque(int column, int row) const;
-  void find_opaque_tiles();
 
   PixelRect rect_;
   std::ptrdiff_t row_floats_;

@@ -30,11 +30,6 @@ double seen_from(const SheetFrame& frame) {
   return frame.shown.mode == Mode::minip ? unseen.low : unseen.high;
 }
 
-/// Of a lattice point behind the plane through the volume's middle, in world lengths.
-double depth(const FrameGeometry& g, const glm::dvec3& point) {
-  return g.view.project(point).z / g.view.pixels_per_unit;
-}
-
 /// A pixel's ray in slices that count from the middle one: at k it is at from + k slope along u or v.
 struct PixelRay {
   double from[2], slope[2];
@@ -164,7 +159,8 @@ void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, c
       const double crossed = ray.slices_in_box(rays, g);
       double value = from + of_number * pixel[0];
       if (projection.mode == Mode::mean) value /= crossed * slice_length * ray.step(rays);
-      if (surface) value = depth(g, ray.at(pixel[0], g));
+      // The depth behind the plane through the volume's middle, in world lengths.
+      if (surface) value = g.view.project(ray.at(pixel[0], g)).z / g.view.pixels_per_unit;
       const bool there = surface ? pixel[3] > 0 : crossed > 0;
       const glm::vec4 colour = !there              ? glm::vec4(0)
                                : projection.values ? glm::vec4(glm::vec3(float(value)), 1)

@@ -159,16 +159,6 @@ std::vector<std::byte> ScalarPlanes::memory_of_planes() {
   return memory;
 }
 
-/// Empties a shelf that is used anew.
-void ScalarPlanes::renew_shelf() {
-  Shelf& shelf = shelves_[shelf_->shelf];
-  if (shelf.generation == shelf_->generation && shelf.width == width_ && shelf.height == height_ &&
-      shelf.code == code_)
-    return;
-  empty(shelf);
-  shelf = {shelf_->generation, width_, height_, code_, {}, {}};
-}
-
 ScalarPlanes::Place ScalarPlanes::kept_plane(std::size_t plane) {
   Shelf& shelf = shelves_[shelf_->shelf];
   if (plane >= shelf.slots.size()) shelf.slots.resize(plane + 1);
@@ -318,7 +308,12 @@ void ScalarPlanes::place(int step, const SheetPayload& payload, ScalarType type)
 bool ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
   use_shelf(payload.header.shelf);
   if (payload.header.plane == no_plane) return false;
-  renew_shelf();
+  Shelf& shelf = shelves_[shelf_->shelf];
+  if (shelf.generation != shelf_->generation || shelf.width != width_ || shelf.height != height_ ||
+      shelf.code != code_) {  // it is used anew
+    empty(shelf);
+    shelf = {shelf_->generation, width_, height_, code_, {}, {}};
+  }
   const Place place = kept_plane(payload.header.plane);
   renew_fillers(place.slot);
   put(place, voxels, payload, type);

@@ -71,7 +71,6 @@ class ScalarPlanes {
   Place place_of_step(int step);
   void put(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload, ScalarType type);
   void use_shelf(const ShelfNumber& number);
-  void renew_shelf();
   void empty(Shelf& shelf);
   std::vector<std::byte> memory_of_planes();
   Place kept_plane(std::size_t plane);

@@ -76,7 +76,13 @@ bool RowBand::work(int visible_at_most, int voxels_at_most) {
 void RowBand::find_row() {
   const auto runs = voxels_->runs().of_row(row_);
   Columns columns{0, std::uint32_t(slice_.width)};
-  if (!runs.empty()) columns = in_view(columns);
+  if (!runs.empty()) {
+    dda_.begin_row(slice_.index, row_);
+    x_.begin_row(dda_.row_start().x);
+    y_.begin_row(dda_.row_start().y);
+    columns = reaching_x(0, frame_.geometry.width, columns);
+    if (!columns.empty()) columns = reaching_y(0, frame_.geometry.height, columns);
+  }
   for (const ColumnRun& run : runs) {
     const int first = std::max(run.first, int(columns.first)), end = std::min(run.end, int(columns.end));
     outside_ += std::uint64_t(run.end - run.first - std::max(end - first, 0));
@@ -85,14 +91,6 @@ void RowBand::find_row() {
     found_.take({}, 0, 0);
   else
     found_.take(voxels_->of_row(slice_, row_), columns.first, columns.end);
-}
-
-Columns RowBand::in_view(Columns all) {
-  dda_.begin_row(slice_.index, row_);
-  x_.begin_row(dda_.row_start().x);
-  y_.begin_row(dda_.row_start().y);
-  const Columns columns = reaching_x(0, frame_.geometry.width, all);
-  return columns.empty() ? columns : reaching_y(0, frame_.geometry.height, columns);
 }
 
 std::span<const ClassifiedSample> RowBand::make_samples() {

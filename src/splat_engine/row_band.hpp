@@ -156,10 +156,8 @@ class RowBand {
   VisibleRow found_;  ///< the row's visible voxels
 
  private:
-  /// Finds the row's visible voxels that are in view, and counts the others.
+  /// Begins the row, finds its visible voxels whose windows can meet the image, and counts the others.
   void find_row();
-  /// Begins the row, and returns its columns whose windows can meet the image.
-  Columns in_view(Columns all);
 
   VisibleVoxels* voxels_ = nullptr;   ///< of the slice
   std::vector<RegionCounts> counts_;  ///< by region

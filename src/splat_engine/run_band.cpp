@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <bit>
-#include <glm/vec2.hpp>
 
 #include "base/bit_runs.hpp"
 #include "base/byte_stream.hpp"
@@ -18,11 +17,6 @@ std::uint64_t in_columns(const VisibleBlock& block, Columns columns) {
   const std::uint32_t from = columns.first > block.first ? columns.first - block.first : 0,
                       behind = columns.end < block.first + width ? block.first + width - columns.end : 0;
   return from < width && behind < width ? block.mask & all << from & all >> behind : 0;
-}
-
-/// How many of the block's visible voxels lie before bit `bit`.
-std::uint32_t voxels_before(const VisibleBlock& block, int bit) {
-  return std::uint32_t(std::popcount(block.mask & ((std::uint64_t{1} << bit) - 1)));
 }
 
 /// Encodes runs of voxels without positions: the Renderer computes these from the view.
@@ -145,7 +139,8 @@ class RunBand final : public RowBand {
       // Transparent voxels between two visible ones do not split a copy: samples are packed.
       const std::uint64_t gone = block.mask & ~mask & ~std::uint64_t{0} << begin;
       const std::uint64_t here = gone == 0 ? mask : mask & ((std::uint64_t{1} << std::countr_zero(gone)) - 1);
-      const Voxel* const first = packed_.data() + block.sample + voxels_before(block, begin);
+      const auto before = std::popcount(block.mask & ((std::uint64_t{1} << begin) - 1));
+      const Voxel* const first = packed_.data() + block.sample + before;
       part.voxels.insert(part.voxels.end(), first, first + std::popcount(here));
       mask &= ~here;
     }
