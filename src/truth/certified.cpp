@@ -289,19 +289,6 @@ class Certifier : Tracer {
 
 }  // namespace
 
-double PixelBounds::width() const {
-  double most = 0;
-  for (int c = 0; c < 4; ++c) most = std::max(most, high[c] - low[c]);
-  return most;
-}
-
-Rgba PixelBounds::farthest_from(const Rgba& colour) const {
-  Rgba far;
-  for (int c = 0; c < 4; ++c)
-    far[c] = std::abs(colour[c] - low[c]) > std::abs(colour[c] - high[c]) ? low[c] : high[c];
-  return far;
-}
-
 std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pixel> pixels, double width,
                                           int most_pieces) {
   if (scene.frame.shown.mode != Mode::composite)

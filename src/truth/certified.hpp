@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <glm/vector_relational.hpp>
 #include <span>
 #include <vector>
 
@@ -9,10 +11,15 @@ namespace ringsplat::truth {
 /// Between which numbers a pixel's four channels surely are.
 struct PixelBounds {
   Rgba low{0.0}, high{1.0};
-  double width() const;  ///< of the widest channel
+  double width() const {  ///< of the widest channel
+    const Rgba widths = high - low;
+    return std::max({widths.r, widths.g, widths.b, widths.a});
+  }
   Rgba middle() const { return 0.5 * (low + high); }
   Rgba nearest_to(const Rgba& colour) const { return glm::clamp(colour, low, high); }
-  Rgba farthest_from(const Rgba& colour) const;
+  Rgba farthest_from(const Rgba& colour) const {
+    return glm::mix(high, low, glm::greaterThan(glm::abs(colour - low), glm::abs(colour - high)));
+  }
 };
 
 /// Bounds of the field's integral (field_truth), proved by arithmetic of intervals: docs/certified.md has the

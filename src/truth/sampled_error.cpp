@@ -168,8 +168,6 @@ SampledError sampled_error(const Image& image, const PixelSample& sample, std::s
   return error;
 }
 
-double ErrorFigures::psnr() const { return 20 * std::log10(levels / rmse); }
-
 ImageError compare(const Image& image, const Image& truth, int channels, double threshold) {
   std::vector<double> largest;
   ImageError error;

@@ -67,11 +67,12 @@ inline double levels_apart(double a, double b) {
 /// Differences image − truth of premultiplied linear values, in units of 1/255.
 struct ErrorFigures {
   double rmse = 0;
-  double largest = 0;   ///< absolute
-  double mean = 0;      ///< signed: above zero when the image is brighter
-  double over_1 = 0;    ///< fraction of the pixels that differ by more than 1/255
-  double over_2 = 0;    ///< and by more than 2/255
-  double psnr() const;  ///< dB against a peak of 1; infinite for equal pictures
+  double largest = 0;  ///< absolute
+  double mean = 0;     ///< signed: above zero when the image is brighter
+  double over_1 = 0;   ///< fraction of the pixels that differ by more than 1/255
+  double over_2 = 0;   ///< and by more than 2/255
+  /// dB against a peak of 1; infinite for equal pictures.
+  double psnr() const { return 20 * std::log10(levels / rmse); }
 };
 
 struct ImageError {
