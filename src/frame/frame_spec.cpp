@@ -34,21 +34,11 @@ json to_json(const Camera& c) {
   return j;
 }
 
-json to_json(const VoxelBox& box) {
-  json j = json::array();
-  for (int k = 0; k < 3; ++k) j.push_back({box.first[k], box.end[k]});
-  return j;
-}
-
 json to_json(const TransferFunction& tf) {
   json colours = json::array(), opacities = json::array();
   for (const auto& p : tf.colours) colours.push_back({p.value, p.srgb.x, p.srgb.y, p.srgb.z});
   for (const auto& p : tf.opacities) opacities.push_back({p.value, p.opacity});
   return {{"name", tf.name}, {"colours", colours}, {"opacities", opacities}, {"nan", to_json(tf.nan_srgb)}};
-}
-
-json to_json(const PhongMaterial& m) {
-  return {{"ambient", m.ambient}, {"diffuse", m.diffuse}, {"specular", m.specular}, {"exponent", m.exponent}};
 }
 
 /// An object of all fields.
@@ -67,11 +57,13 @@ struct ToJson {
 
 /// One flat object: readers of images and statistics rely on it.
 json to_json(const Shown& s) {
+  const auto& [ambient, diffuse, specular, exponent] = s.material;
   json j{{"camera", to_json(s.camera)},
          {"size", {s.width, s.height}},
          {"transfer_function", to_json(s.transfer_function)},
          {"shading", s.shading == Shading::phong ? "phong" : "none"},
-         {"material", to_json(s.material)},
+         {"material",
+          {{"ambient", ambient}, {"diffuse", diffuse}, {"specular", specular}, {"exponent", exponent}}},
          {"light", to_json(s.light)},
          {"opacity_correction", s.opacity_correction},
          {"opaque_threshold", s.opaque_threshold},
@@ -81,20 +73,11 @@ json to_json(const Shown& s) {
   if (s.mode != Mode::composite) j["mode"] = name(s.mode);
   if (s.mode == Mode::surface) j["isovalue"] = s.isovalue;
   if (s.values) j["values"] = true;
-  if (s.clip) j["clip"] = to_json(*s.clip);
+  for (int k = 0; k < 3 && s.clip; ++k) j["clip"].push_back({s.clip->first[k], s.clip->end[k]});
   for (const ClipPlane& plane : s.clip_planes)
     j["clip_planes"].push_back({plane.normal.x, plane.normal.y, plane.normal.z, plane.distance});
   if (s.edges) j["edges"] = {s.edges->from, s.edges->to};
   return j;
-}
-
-json to_json(const FrameSpec& s) {
-  json all = to_json(s.shown);
-  all["frame"] = s.frame;
-  all["engine"] = name(s.how);
-  all["region"] = s.division.region_size;
-  std::visit([&all](const auto& how) { fields(how, ToJson{all}); }, s.how);
-  return all;
 }
 
 void check(const Shown& shown) {
@@ -254,8 +237,13 @@ FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
   return spec;
 }
 
-std::string to_json_text(const FrameSpec& spec) {
-  return to_json(spec).dump(-1, ' ', false, json::error_handler_t::replace);
+std::string to_json_text(const FrameSpec& s) {
+  json all = to_json(s.shown);
+  all["frame"] = s.frame;
+  all["engine"] = name(s.how);
+  all["region"] = s.division.region_size;
+  std::visit([&all](const auto& how) { fields(how, ToJson{all}); }, s.how);
+  return all.dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 }  // namespace ringsplat
