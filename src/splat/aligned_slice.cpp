@@ -34,7 +34,7 @@ void take_weights(const std::vector<float>& window, AlignedSlice& slice) {
   for (int row = 0; row < height; ++row) {
     for (int column = 0; column < width; ++column) {
       if (!(weight(row, column) > 0)) continue;
-      slice.covered.push_back({column - slice.reach_x, row - slice.reach_y});
+      slice.covered.emplace_back(column - slice.reach_x, row - slice.reach_y);
       slice.first_column = std::min(slice.first_column, column);
       slice.end_column = std::max(slice.end_column, column + 1);
       slice.first_row = std::min(slice.first_row, row);

@@ -27,11 +27,8 @@ struct AlignedSlice {
   /// [rows][taps][7 pixels][4 channels]: weight of the tap-th voxel, counted from the leftmost, in each pixel
   /// from reach_x before an anchor on. Weights repeat after a step, and each is there once a channel.
   std::vector<float> weights;
-  double opacity_weight = 1;  ///< Footprint::weight
-  struct Offset {
-    int x, y;
-  };
-  std::vector<Offset> covered;  ///< pixels with a weight above zero, as offsets from the anchor
+  double opacity_weight = 1;        ///< Footprint::weight
+  std::vector<glm::ivec2> covered;  ///< pixels with a weight above zero, as offsets from the anchor
 };
 
 /// A frame whose slices are all aligned, and whose kernels are drawn with a stencil.

@@ -1,6 +1,7 @@
 #include "splat/stencil.hpp"
 
 #include <algorithm>
+#include <ranges>
 
 #include "splat/splat.hpp"
 
@@ -9,10 +10,6 @@ namespace ringsplat {
 namespace {
 
 constexpr float never = -1e30F;
-
-struct PixelBlock {
-  int x, y;
-};
 
 double form(const Footprint& footprint, double x, double y) {
   return footprint.d * x * x + footprint.e * x * y + footprint.f * y * y;
@@ -32,21 +29,15 @@ double largest_q(const Footprint& footprint, double x, double y) {
   return 1 + best;
 }
 
-bool can_be_drawn(const Footprint& footprint, const PixelBlock& block) {
+/// The first pixels of the blocks that can be drawn.
+std::vector<glm::ivec2> find_blocks(const Footprint& footprint, const Stencil& stencil) {
   constexpr double rounding = 1e-4;
-  for (int i = 0; i < block_pixels; ++i) {
-    if (largest_q(footprint, block.x + i, block.y) > -rounding) return true;
-  }
-  return false;
-}
-
-std::vector<PixelBlock> find_blocks(const Footprint& footprint, const Stencil& stencil) {
-  std::vector<PixelBlock> blocks;
-  for (int y = -stencil.reach_y; y <= stencil.reach_y + 1; ++y) {
+  std::vector<glm::ivec2> blocks;
+  for (int y = -stencil.reach_y; y <= stencil.reach_y + 1; ++y)
     for (int x = -stencil.reach_x; x <= stencil.reach_x + 1; x += block_pixels) {
-      if (can_be_drawn(footprint, {x, y})) blocks.push_back({x, y});
+      const auto can_be_drawn = [&](int i) { return largest_q(footprint, x + i, y) > -rounding; };
+      if (std::ranges::any_of(std::views::iota(0, block_pixels), can_be_drawn)) blocks.emplace_back(x, y);
     }
-  }
   return blocks;
 }
 

@@ -28,9 +28,8 @@ std::uint64_t count_drawn(const AlignedSlice& slice, const SliceBuffer& buffer, 
                           std::int64_t y, std::uint64_t mask) {
   const auto reaches = [&](std::uint64_t bits) {
     const std::int64_t first = x + std::countr_zero(bits) * slice.step_x;
-    return std::any_of(slice.covered.begin(), slice.covered.end(), [&](const AlignedSlice::Offset& at) {
-      return buffer.holds(int(first) + at.x, int(y) + at.y);
-    });
+    return std::any_of(slice.covered.begin(), slice.covered.end(),
+                       [&](const glm::ivec2& at) { return buffer.holds(int(first) + at.x, int(y) + at.y); });
   };
   const std::uint64_t inside =
       mask & places_within(x, slice.step_x, slice.reach_x, buffer.width - slice.reach_x - 2);
