@@ -61,11 +61,6 @@ int step_of(float activity) {
   return std::clamp(step, 0, activity_classes - 1);
 }
 
-std::uint16_t class_of(const Image& picture, int x, int y) {
-  const bool is_opaque = picture.pixel(x, y)[3] >= opaque;
-  return std::uint16_t(step_of(activity(picture, x, y)) + (is_opaque ? activity_classes : 0));
-}
-
 /// The least activity of class k. A power of two times a few bits, so that sums of it are exact.
 double activity_of(std::size_t k) {
   const int step = int(k) % activity_classes;
@@ -80,8 +75,11 @@ std::vector<std::uint16_t> classify(const Image& picture, const ScreenBounds& bo
   std::vector<std::uint16_t> all(begin.back());
   parallel_for(bounds.rows.size(), 16, [&](std::size_t from, std::size_t to) {
     for (std::size_t y = from; y < to; ++y)
-      for (int x = bounds.rows[y].first; x < bounds.rows[y].end; ++x)
-        all[begin[y] + std::size_t(x - bounds.rows[y].first)] = class_of(picture, x, int(y));
+      for (int x = bounds.rows[y].first; x < bounds.rows[y].end; ++x) {
+        const bool is_opaque = picture.pixel(x, int(y))[3] >= opaque;
+        all[begin[y] + std::size_t(x - bounds.rows[y].first)] =
+            std::uint16_t(step_of(activity(picture, x, int(y))) + (is_opaque ? activity_classes : 0));
+      }
   });
   return all;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "truth/sampling.hpp"
@@ -56,20 +57,8 @@ struct Squares {
   }
 };
 
-/// Half of the neighbours' worst square: strata merge gradually, so a stratum may hold such pixels.
-double square_next_to(const std::vector<Squares>& strata, std::size_t k) {
-  double largest = 0;
-  if (k > 0) largest = strata[k - 1].largest;
-  if (k + 1 < strata.size()) largest = std::max(largest, strata[k + 1].largest);
-  return 0.5 * largest;
-}
-
-struct Interval {
-  double low, high;
-};
-
 /// 95 % interval of the picture's sum of squares: `sum` is its estimate, of which `known` is exact.
-Interval interval_of(const std::vector<Squares>& strata, double sum, double known) {
+std::pair<double, double> interval_of(const std::vector<Squares>& strata, double sum, double known) {
   double variance = 0, satterthwaite = 0;
   for (std::size_t k = 0; k < strata.size(); ++k) {
     const Squares& s = strata[k];
@@ -77,7 +66,10 @@ Interval interval_of(const std::vector<Squares>& strata, double sum, double know
       known += s.total();
       continue;
     }
-    const double v = s.variance(square_next_to(strata, k));
+    // Half of the neighbours' worst square: strata merge gradually, so a stratum may hold such pixels.
+    const double before = k > 0 ? strata[k - 1].largest : 0,
+                 behind = k + 1 < strata.size() ? strata[k + 1].largest : 0,
+                 v = s.variance(0.5 * std::max(before, behind));
     variance += v;
     satterthwaite += v * v / std::max(1.0, double(s.stratum.sampled) - 1);
   }
@@ -159,12 +151,12 @@ SampledError sampled_error(const Image& image, const PixelSample& sample, std::s
   }
   double sum = known;
   for (const Squares& s : strata) sum += s.total();
-  const Interval interval = interval_of(strata, sum, known);
+  const auto [low, high] = interval_of(strata, sum, known);
   const double pixels = double(image.width) * image.height;
   error.mean = signed_sum / pixels;
   error.rmse = std::sqrt(sum / pixels);
-  error.rmse_low = std::sqrt(interval.low / pixels);
-  error.rmse_high = std::sqrt(interval.high / pixels);
+  error.rmse_low = std::sqrt(low / pixels);
+  error.rmse_high = std::sqrt(high / pixels);
   return error;
 }
 
