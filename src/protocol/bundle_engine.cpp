@@ -70,7 +70,7 @@ class BundleEncoder final : public EncoderDecorator {
   BundleEncoder(std::unique_ptr<Encoder> inner, int gp, const FramePlan& of_slices, Bundles bundles)
       : EncoderDecorator(std::move(inner)), bundles_(std::move(bundles)), slices_(inner_->shown()) {
     shows_nothing_ = slices_.empty();
-    // A frame that shows nothing has one step nevertheless (GpFrame).
+    // A frame that shows nothing has one step nevertheless (Frame in gp.cpp).
     if (shows_nothing_) slices_.push_back(0);
     owned_ = std::size_t(std::count_if(slices_.begin(), slices_.end(),
                                        [&](int step) { return of_slices.owners[std::size_t(step)] == gp; }));

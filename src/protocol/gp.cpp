@@ -26,8 +26,8 @@ struct PreparedSlice {
 };
 
 /// A GP's part of one frame.
-struct GpFrame {
-  GpFrame(int gp, const Announcement& announcement, int renderers, Engine& engine)
+struct Frame {
+  Frame(int gp, const Announcement& announcement, int renderers, Engine& engine)
       : number(announcement.frame),
         plan(engine.plan(announcement)),
         drawing(plan.drawing(renderers)),
@@ -72,13 +72,6 @@ struct GpFrame {
     return found == prepared.end() ? nullptr : &*found;
   }
   bool done() const { return steps_done == steps.size() && left_behind.empty(); }
-  /// Removes slices from the front whose tokens have all passed, and counts them as done.
-  void retire_slices() {
-    while (!prepared.empty() && prepared.front().tokens_left == 0) {
-      prepared.pop_front();
-      ++steps_done;
-    }
-  }
   /// What it waits for, in words; empty when for nothing.
   std::string waiting_for(const std::string& gp) const {
     if (!prepared.empty()) {
@@ -159,8 +152,6 @@ class Gp final : public Node {
   }
 
  private:
-  using Frame = GpFrame;
-
   /// All tokens start at the owner of the front slice and visit slices in the traversal's order; that order
   /// keeps a mesh free of contention (net/mesh.hpp).
   void start_tokens(Frame& frame) {
@@ -295,7 +286,12 @@ class Gp final : public Node {
   }
 
   void finish_completed_frames() {
-    for (const auto& frame : frames_) frame->retire_slices();
+    // Slices from the front whose tokens have all passed are done.
+    for (const auto& frame : frames_)
+      for (auto& prepared = frame->prepared; !prepared.empty() && prepared.front().tokens_left == 0;) {
+        prepared.pop_front();
+        ++frame->steps_done;
+      }
     while (!frames_.empty() && frames_.front()->done()) {
       book(waiting());
       Frame& frame = *frames_.front();
