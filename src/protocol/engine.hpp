@@ -6,9 +6,6 @@
 #include <span>
 #include <vector>
 
-#include "base/byte_stream.hpp"
-#include "record/stats.hpp"
-#include "record/trace.hpp"
 #include "ringsplat/base/bytes.hpp"
 
 /// The seam between the protocol and what it carries. An engine makes payloads of slices (Encoder, on a GP),

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "raster/region_image.hpp"
-#include "raster/slice_buffer.hpp"
 #include "splat/frame_kernel.hpp"
 #include "splat_engine/splat_frame.hpp"
 

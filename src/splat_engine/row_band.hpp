@@ -15,7 +15,6 @@
 #include "classify/phong.hpp"
 #include "frame/frame_geometry.hpp"
 #include "raster/opaque_tiles.hpp"
-#include "record/trace.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "splat/splat.hpp"
 #include "splat_engine/splat_frame.hpp"

@@ -9,7 +9,6 @@
 
 #include "classify/empty_space.hpp"
 #include "engine_parts/frame_engine.hpp"
-#include "frame/frame_geometry.hpp"
 #include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat_engine/row_band.hpp"

@@ -5,7 +5,6 @@
 
 #include "base/clock.hpp"
 #include "engine_parts/frame_engine.hpp"
-#include "frame/frame_geometry.hpp"
 #include "splat/frame_kernel.hpp"
 #include "splat_engine/payload_reader.hpp"
 #include "splat_engine/splat_engine.hpp"
