@@ -107,8 +107,12 @@ class BundleEncoder final : public EncoderDecorator {
       return false;
     }
     while (joined_to_ < kept_.size() && kept_[joined_to_].empty()) ++joined_to_;
-    if (joined_to_ < kept_.size()) join_part(joined_to_++);
-    return joined_to_ == kept_.size();
+    if (joined_to_ == kept_.size()) return true;
+    EncodedPart& all = joined_.parts[joined_to_];
+    all.payload = join(kept_[joined_to_]);
+    std::ranges::sort(all.tiles);
+    all.tiles.erase(std::unique(all.tiles.begin(), all.tiles.end()), all.tiles.end());
+    return ++joined_to_ == kept_.size();
   }
 
   EncodedStep finish() override { return std::move(joined_); }
@@ -133,13 +137,6 @@ class BundleEncoder final : public EncoderDecorator {
     all.tiles.insert(all.tiles.end(), part.tiles.begin(), part.tiles.end());
     const std::uint64_t bytes = Message::body_size(part.payload);
     kept_[renderer].push_back({{step, part.passes, bytes}, std::move(part.payload)});
-  }
-
-  void join_part(std::size_t renderer) {
-    EncodedPart& all = joined_.parts[renderer];
-    all.payload = join(kept_[renderer]);
-    std::sort(all.tiles.begin(), all.tiles.end());
-    all.tiles.erase(std::unique(all.tiles.begin(), all.tiles.end()), all.tiles.end());
   }
 
   Bundles bundles_;

@@ -164,11 +164,10 @@ class FrameBuffer final : public Node {
     if (!from_gp && h.source_role != Role::renderer)
       throw RunError(
           fmt::format("{} reported frame {}, in which it has no part", to_string(h.from()), h.frame));
-    const auto index = std::size_t(h.source);
     auto reported = frame.reported.begin() + (from_gp ? h.source : layout_.gps + h.source);
     if (*reported) throw RunError(fmt::format("{} reported frame {} twice", to_string(h.from()), h.frame));
     *reported = true;
-    (from_gp ? frame.stats.gps : frame.stats.renderers)[index] = stats;
+    (from_gp ? frame.stats.gps : frame.stats.renderers)[std::size_t(h.source)] = stats;
     frame.tiles_reported += stats.tiles;
     --frame.reports_missing;
   }

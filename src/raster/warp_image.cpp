@@ -39,19 +39,9 @@ namespace ringsplat::HWY_NAMESPACE {
 /// Pixels whose places are found at a time.
 inline constexpr int most_places = 64;
 
-/// Finds the weights of the four taps, [tap][pixel]. Compilers make vectors of pixels of the plain loop.
-HWY_INLINE void find_weights(const float* HWY_RESTRICT fraction, int count, float (*weights)[most_places]) {
-  for (int tap = 0; tap < 4; ++tap) {
-    float* HWY_RESTRICT w = weights[tap];
-    for (int k = 0; k < count; ++k)
-      w[k] =
-          std::fma(std::fma(std::fma(cubic[3][tap], fraction[k], cubic[2][tap]), fraction[k], cubic[1][tap]),
-                   fraction[k], cubic[0][tap]);
-  }
-}
-
-/// Finds first taps and weights along one axis, of places start + k · step from k = first on. Places are
-/// positive, so that truncation is floor.
+/// Finds first taps and the four taps' weights, [tap][pixel], along one axis, of places start + k · step from
+/// k = first on. Places are positive, so that truncation is floor. Compilers make vectors of pixels of the
+/// plain loops.
 HWY_INLINE void find_taps(double start, double step, int first, int count, std::int32_t* HWY_RESTRICT taps,
                           float (*weights)[most_places]) {
   float fraction[most_places];
@@ -60,7 +50,13 @@ HWY_INLINE void find_taps(double start, double step, int first, int count, std::
     taps[k] = static_cast<std::int32_t>(place);
     fraction[k] = static_cast<float>(place - taps[k]);
   }
-  find_weights(fraction, count, weights);
+  for (int tap = 0; tap < 4; ++tap) {
+    float* HWY_RESTRICT w = weights[tap];
+    for (int k = 0; k < count; ++k)
+      w[k] =
+          std::fma(std::fma(std::fma(cubic[3][tap], fraction[k], cubic[2][tap]), fraction[k], cubic[1][tap]),
+                   fraction[k], cubic[0][tap]);
+  }
 }
 
 /// Clamps what the cubic's negative lobes bring out of range.
