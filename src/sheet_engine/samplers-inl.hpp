@@ -7,7 +7,6 @@
 #endif
 
 #include "sheet_engine/lanes-inl.hpp"
-#include "sheet_engine/paint_group.hpp"
 
 /// Bilinear interpolation of values and of central differences in a slice's plane. A sampler has
 ///   Plane    what it reads; planes of whole numbers can be added and subtracted,

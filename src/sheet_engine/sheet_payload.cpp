@@ -12,13 +12,8 @@
 namespace ringsplat {
 namespace {
 
-RunError no_payload(const char* what) {
+RunError no_payload(const std::string& what) {
   return RunError(fmt::format("a slice's payload {}", what), "all ranks must run the same build");
-}
-
-bool is_block_byte(std::uint8_t byte, bool may_be_kept) {
-  const int flags = cells_visible | (may_be_kept ? block_kept : 0);
-  return (byte & ~flags) == block_present || byte <= BlockState::not_a_number;
 }
 
 }  // namespace
@@ -47,7 +42,9 @@ SheetPayload read_sheet_payload(std::span<const std::byte> body, int width, int 
     const int rows_here = std::min(side, height - (header.first_row + row) * side);
     for (int column = blocks.first; column < blocks.end; ++column) {
       const std::uint8_t byte = bytes[column - blocks.first];
-      if (!is_block_byte(byte, header.plane != no_plane)) throw no_payload("says of a block what cannot be");
+      const int flags = cells_visible | (header.plane != no_plane ? block_kept : 0);
+      if ((byte & ~flags) != block_present && byte > BlockState::not_a_number)
+        throw no_payload("says of a block what cannot be");
       if (byte < block_present) continue;
       ++present;
       if ((byte & block_kept) != 0) continue;
@@ -56,8 +53,7 @@ SheetPayload read_sheet_payload(std::span<const std::byte> body, int width, int 
   }
   if (present != header.present || body.size() - at != voxels * size_of(type))
     throw no_payload(fmt::format("has {} bytes of voxels where {} blocks have {}", body.size() - at, present,
-                                 voxels * size_of(type))
-                         .c_str());
+                                 voxels * size_of(type)));
   payload.voxels = body.subspan(at);
   return payload;
 }

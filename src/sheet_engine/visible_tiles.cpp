@@ -9,9 +9,6 @@ namespace {
 constexpr int tiles_across = group_side / tile_side;
 static_assert(tiles_across == 4);
 
-/// Bits first ... last of four.
-unsigned bits(int first, int last) { return (0xFU >> (3 - last)) & (0xFU << first); }
-
 }  // namespace
 
 void VisibleTiles::lay_out(const Regions& all, const std::vector<int>& some) {
@@ -57,8 +54,9 @@ void VisibleTiles::mark_region(const Region& region, const PixelWindow& pixels, 
   const int left = tile(pixels.x0, rect.x0, rect.x1), right = tile(pixels.x1, rect.x0, rect.x1),
             top = tile(pixels.y0, rect.y0, rect.y1), bottom = tile(pixels.y1, rect.y0, rect.y1);
   for (int column = left / tiles_across; column <= right / tiles_across; ++column) {
-    const unsigned across = bits(std::max(left - column * tiles_across, 0),
-                                 std::min(right - column * tiles_across, tiles_across - 1));
+    const int from = std::max(left - column * tiles_across, 0),
+              to = std::min(right - column * tiles_across, tiles_across - 1);
+    const unsigned across = (0xFU >> (3 - to)) & (0xFU << from);
     for (int row = top / tiles_across; row <= bottom / tiles_across; ++row) {
       const int first = std::max(top - row * tiles_across, 0),
                 last = std::min(bottom - row * tiles_across, tiles_across - 1);

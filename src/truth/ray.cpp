@@ -130,8 +130,4 @@ std::vector<Cut> cuts_along(const Scene& scene, const LatticeRay& ray) {
   return cuts;
 }
 
-double extinction(double opacity) {
-  return opacity < 1 ? -std::log1p(-opacity) : std::numeric_limits<double>::infinity();
-}
-
 }  // namespace ringsplat::truth

@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -107,7 +108,9 @@ auto along_rays(const Scene& scene, std::span<const Pixel> pixels, const Along& 
 }
 
 /// Extinction of opacity `opacity` per unit length: infinite for 1.
-double extinction(double opacity);
+inline double extinction(double opacity) {
+  return opacity < 1 ? -std::log1p(-opacity) : std::numeric_limits<double>::infinity();
+}
 
 /// What a cell's eight corners have (number 4z + 2y + x), and interpolation between them.
 template <class T>
