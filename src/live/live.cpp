@@ -26,88 +26,6 @@ enum class Act : std::uint8_t { go_on, draw, count_and_draw, answer, hold };
 
 constexpr double soon = 0.2;  ///< seconds, as often as people read
 
-/// What the driver wants of the simulation. For any thread.
-class Steering {
- public:
-  /// Parameters are numbered in this order.
-  void offer(const RunState::Parameter& parameter) {
-    const std::lock_guard lock(mutex_);
-    offered_.push_back({parameter, {}});
-  }
-
-  /// Throws InputError, for the page.
-  void take(const SteerMessage& wanted) {
-    using Act = SteerMessage::Act;
-    const std::lock_guard lock(mutex_);
-    if (wanted.act == Act::set) return set(wanted.parameter, wanted.value);
-    paused_ = wanted.act != Act::resume;
-    steps_ = wanted.act == Act::step ? steps_ + 1 : 0;
-  }
-
-  bool paused() const {
-    const std::lock_guard lock(mutex_);
-    return paused_;
-  }
-  /// It must not go on.
-  bool holds() const {
-    const std::lock_guard lock(mutex_);
-    return paused_ && steps_ == 0;
-  }
-  /// It goes on: one of the steps that were wanted is being taken.
-  void go_on() {
-    const std::lock_guard lock(mutex_);
-    steps_ = std::max(steps_ - 1, 0);
-  }
-  void let_go() {
-    const std::lock_guard lock(mutex_);
-    paused_ = false;
-  }
-  /// What parameters are in the program now.
-  void see(const std::vector<double>& values) {
-    const std::lock_guard lock(mutex_);
-    for (std::size_t k = 0; k < values.size(); ++k) offered_[k].parameter.value = values[k];
-  }
-  /// As they were seen last, or as they are wanted.
-  std::vector<RunState::Parameter> parameters() const {
-    const std::lock_guard lock(mutex_);
-    std::vector<RunState::Parameter> all;
-    for (const auto& [parameter, wish] : offered_) {
-      all.push_back(parameter);
-      all.back().value = wish.value_or(parameter.value);
-    }
-    return all;
-  }
-  /// Has them so: their values; nothing is wanted any more.
-  std::vector<double> take_values() {
-    const std::lock_guard lock(mutex_);
-    std::vector<double> values;
-    for (auto& [parameter, wish] : offered_)
-      values.push_back(parameter.value = std::exchange(wish, {}).value_or(parameter.value));
-    return values;
-  }
-
- private:
-  struct Offered {
-    RunState::Parameter parameter;
-    std::optional<double> wish;
-  };
-
-  void set(const std::string& name, double value) {
-    const auto found = std::find_if(offered_.begin(), offered_.end(),
-                                    [&](const Offered& one) { return one.parameter.name == name; });
-    if (found == offered_.end()) throw InputError(fmt::format("the simulation offers no {}", name));
-    const RunState::Parameter& its = found->parameter;
-    if (!(value >= its.low && value <= its.high))
-      throw InputError(fmt::format("{} must be from {:g} to {:g}", name, its.low, its.high));
-    found->wish = value;
-  }
-
-  mutable std::mutex mutex_;
-  bool paused_ = false;
-  int steps_ = 0;  ///< that are wanted while it is paused
-  std::vector<Offered> offered_;
-};
-
 /// Keeps what pictures take to a part of the simulation's own time.
 class Share {
  public:
@@ -173,7 +91,7 @@ struct Live::State {
     v.server = {options.address,         options.port,           options.allowed_hosts,
                 options.allowed_origins, options.allowed_frames, false};
     v.steer = [this](const SteerMessage& message) {
-      steering.take(message);
+      steer(message);
       tell();
     };
     run.histogram = values.histogram;
@@ -188,32 +106,50 @@ struct Live::State {
   /// Tells pages how far it is; by any thread.
   void tell() {
     const std::lock_guard lock(telling);
-    if (!viewer) return;
-    run.paused = steering.paused();
-    run.parameters = steering.parameters();
-    viewer->tell(run_text(run));
+    if (viewer) viewer->tell(run_text(run));
+  }
+
+  /// What the driver wants of the simulation. Throws InputError, for the page.
+  void steer(const SteerMessage& wants) {
+    const std::lock_guard lock(telling);
+    if (wants.act == SteerMessage::Act::set) return set(wants.parameter, wants.value);
+    run.paused = wants.act != SteerMessage::Act::resume;
+    steps_wanted = wants.act == SteerMessage::Act::step ? steps_wanted + 1 : 0;
+  }
+  /// The mutex is held.
+  void set(const std::string& name, double value) {
+    const auto found = std::ranges::find(run.parameters, name, &RunState::Parameter::name);
+    if (found == run.parameters.end()) throw InputError(fmt::format("the simulation offers no {}", name));
+    if (!(value >= found->low && value <= found->high))
+      throw InputError(fmt::format("{} must be from {:g} to {:g}", name, found->low, found->high));
+    found->value = value;
+    set_by_page[std::size_t(found - run.parameters.begin())] = true;
+  }
+  /// It must not go on.
+  bool holds() {
+    const std::lock_guard lock(telling);
+    return run.paused && steps_wanted == 0;
   }
 
   void begin(std::int64_t step, double time) {
     share.came_back();
     ++steps;
-    std::vector<double> values;
-    for (const double* const one : offered) values.push_back(*one);
-    steering.see(values);
     const double passed = now_seconds() - told;
     {
       const std::lock_guard lock(telling);
+      for (std::size_t k = 0; k < offered.size(); ++k)
+        if (!set_by_page[k]) run.parameters[k].value = *offered[k];
       run.step = step;
       run.time = time;
       if (passed >= soon) run.steps_a_second = std::exchange(steps, 0) / passed;
+      if (passed < soon && !run.paused) return;
     }
-    if (passed < soon && !steering.paused()) return;
     if (passed >= soon) told = now_seconds();
     tell();
   }
 
   Act decide() {
-    if (steering.holds()) return Act::hold;
+    if (holds()) return Act::hold;
     if (!share.allows_a_picture()) return Act::go_on;
     if (viewer->has_requests()) return Act::answer;
     viewer->renewed(range, true);
@@ -225,16 +161,24 @@ struct Live::State {
 
   /// The next act and all parameters as pages want them; nothing while nobody looks.
   Block decision() {
-    if (viewer->has_pages()) return to_bytes(decide(), steering.take_values());
-    steering.let_go();  // whoever paused it is gone
-    return {};
+    const bool looked_at = viewer->has_pages();
+    const Act act = looked_at ? decide() : Act::go_on;
+    const std::lock_guard lock(telling);
+    if (!looked_at) {
+      run.paused = false;  // whoever paused it is gone
+      return {};
+    }
+    std::vector<double> values;
+    for (const RunState::Parameter& parameter : run.parameters) values.push_back(parameter.value);
+    set_by_page.assign(values.size(), false);
+    return to_bytes(act, values);
   }
 
   /// Draws what pages want while they hold the simulation, or until all is answered.
   Director held_frames(Act act) {
     Director held = viewer->director();
     const auto holds = [this, act] {
-      return viewer->has_pages() && (act == Act::hold ? steering.holds() : viewer->has_requests());
+      return viewer->has_pages() && (act == Act::hold ? this->holds() : viewer->has_requests());
     };
     held.may_come = [holds, may_come = held.may_come] { return holds() && may_come(); };
     held.next_picture = [holds, next = held.next_picture] {
@@ -297,9 +241,10 @@ struct Live::State {
 
   // Rank 0's.
   Share share;
-  Steering steering;
-  std::mutex telling;  ///< guards what pages are told
-  RunState run;
+  std::mutex telling;               ///< guards what pages are told and want
+  RunState run;                     ///< its parameters in the order in which they were offered
+  std::vector<bool> set_by_page;    ///< which of them have values that the program has not yet taken
+  int steps_wanted = 0;             ///< while it is paused
   Director director = {};           ///< of the picture that is drawn next
   std::vector<VolumeFrame> wanted;  ///< its frames
   int steps = 0;                    ///< since the rate was told
@@ -315,8 +260,10 @@ const std::string& Live::url() const { return state_->url; }
 
 void Live::offer(const std::string& name, double& value, double low, double high) {
   State& s = *state_;
+  const std::lock_guard lock(s.telling);
   s.offered.push_back(&value);
-  s.steering.offer({name, value, low, high});
+  s.run.parameters.push_back({name, value, low, high});
+  s.set_by_page.push_back(false);
 }
 
 void Live::show(std::int64_t step, double time) {
@@ -340,7 +287,8 @@ void Live::show(std::int64_t step, double time) {
     s.share.spent(now_seconds() - begin);
     break;
   }
-  s.steering.go_on();
+  const std::lock_guard lock(s.telling);
+  s.steps_wanted = std::max(s.steps_wanted - 1, 0);
   s.share.leave();
 }
 
