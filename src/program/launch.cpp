@@ -16,15 +16,6 @@ std::string build_id() {
   return fmt::format("ringsplat {} with wire format {}", RINGSPLAT_VERSION, wire_format());
 }
 
-void require_same_build(std::span<const std::string> builds_by_rank) {
-  const auto differs = [&](const std::string& build) { return build != builds_by_rank.front(); };
-  const auto first = std::find_if(builds_by_rank.begin(), builds_by_rank.end(), differs);
-  if (first == builds_by_rank.end()) return;
-  throw InputError(fmt::format("rank {} runs another build: {}, rank 0 runs {}",
-                               first - builds_by_rank.begin(), *first, builds_by_rank.front()),
-                   "install the same build on all machines, and see that no other comes first in a PATH");
-}
-
 Outcome guarded(const std::function<ExitCode()>& work) {
   try {
     return {work(), {}};
@@ -57,7 +48,13 @@ Transport* Launch::transport() {
 }
 
 void Launch::require_same_build() const {
-  if (session_) app::require_same_build(session_->introductions(build_id()));
+  if (!session_) return;
+  const auto builds = session_->introductions(build_id());
+  for (std::size_t rank = 1; rank < builds.size(); ++rank)
+    if (builds[rank] != builds.front())
+      throw InputError(
+          fmt::format("rank {} runs another build: {}, rank 0 runs {}", rank, builds[rank], builds.front()),
+          "install the same build on all machines, and see that no other comes first in a PATH");
 }
 
 void Launch::require_same_options(const Facts& options) {

@@ -2,9 +2,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "mpi/session.hpp"
@@ -17,9 +15,6 @@ namespace ringsplat::app {
 
 /// This build's version and wire format, in words.
 std::string build_id();
-
-/// Throws InputError that names the first rank whose build differs from rank 0's, and both builds.
-void require_same_build(std::span<const std::string> builds_by_rank);
 
 /// How a piece of work ended.
 struct Outcome {
@@ -47,8 +42,8 @@ class Launch {
   Transport* transport();
   Wiring wiring(const LoopbackOptions& loopback) { return {collectives(), transport(), loopback}; }
 
-  /// Throws InputError on all ranks when one runs another build than rank 0. Must be the ranks' first
-  /// exchange.
+  /// Throws InputError on all ranks, with both builds, when one runs another build than rank 0. Must be the
+  /// ranks' first exchange.
   void require_same_build() const;
   /// Throws InputError on all ranks when one was told other options than rank 0.
   void require_same_options(const Facts& options);
