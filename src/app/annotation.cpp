@@ -221,7 +221,7 @@ std::string patient_letters(const glm::dvec3& direction) {
   return letters;
 }
 
-std::optional<DataRange> visible_span(const TransferFunction& tf, const ValueRange& range) {
+std::optional<DataRange> visible_span(const TransferFunction& tf, const DataRange& range) {
   const auto& points = tf.opacities;
   std::optional<DataRange> span;
   const auto add = [&](double low, double high) {
@@ -240,18 +240,14 @@ std::optional<DataRange> visible_span(const TransferFunction& tf, const ValueRan
 Annotation::Annotation(const Grid& grid, const VolumeNotes& notes,
                        const std::optional<glm::dvec3>& background, const std::optional<DataRange>& window,
                        std::vector<DrawnChannel> channels)
-    : grid_(grid), notes_(notes), channels_(std::move(channels)) {
+    : grid_(grid), notes_(notes), bar_(window), channels_(std::move(channels)) {
   constexpr double middle_grey = 0.18;
   dark_ink_ = background && glm::dot(*background, glm::dvec3(0.2126, 0.7152, 0.0722)) > middle_grey;
   static_cast<void>(text_mask("0", 12));
-  if (!window) return;
-  bar_.emplace();
-  bar_->low = window->low;
-  bar_->high = window->high;
 }
 
 void Annotation::keep_range(const ValueRange& range) {
-  if (!bar_) bar_ = range;
+  if (!bar_) bar_ = {range.low, range.high};
 }
 
 Overlay Annotation::overlay(const FrameSpec& spec, const ValueRange& range) const {
@@ -267,7 +263,8 @@ Overlay Annotation::overlay(const FrameSpec& spec, const ValueRange& range) cons
   const double bottom = patient ? 0.5 * shown.height - 1.6 * sheet.letter() : 0.6 * shown.height;
   if (!channels_.empty()) {
     add_legend(sheet, channels_);
-  } else if (const auto span = visible_span(shown.transfer_function, bar_.value_or(range))) {
+  } else if (const auto span =
+                 visible_span(shown.transfer_function, bar_.value_or(DataRange{range.low, range.high}))) {
     // As many letters as have room beside the picture's middle.
     const bool hounsfield = notes_.quantity.empty() && notes_.modality == "CT";
     const auto quantity = excerpt(hounsfield ? "HU" : notes_.quantity, 28);

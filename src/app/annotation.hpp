@@ -31,7 +31,7 @@ class Annotation {
   Grid grid_;
   VolumeNotes notes_;
   bool dark_ink_;
-  std::optional<ValueRange> bar_;
+  std::optional<DataRange> bar_;
   std::vector<DrawnChannel> channels_;
 };
 
@@ -47,6 +47,6 @@ double round_length(double most);
 std::string patient_letters(const glm::dvec3& direction);
 
 /// The values from the lowest to the highest one that is visible; nothing when none is.
-std::optional<DataRange> visible_span(const TransferFunction& tf, const ValueRange& range);
+std::optional<DataRange> visible_span(const TransferFunction& tf, const DataRange& range);
 
 }  // namespace ringsplat::app

@@ -16,7 +16,6 @@
 #include "classify/colour_maps.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
-#include "options/option_values.hpp"
 #include "program/text_output.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -80,10 +79,7 @@ std::string why_empty(const FrameResult& result, const ValueRange& range) {
   const NodeStats sum = result.stats.total();
   if (sum.splats_drawn > 0) return {};
   const TransferFunction& tf = result.spec.shown.transfer_function;
-  ValueRange all = range;
-  all.low = tf.opacities.front().value;
-  all.high = tf.opacities.back().value;
-  const auto span = visible_span(tf, all);
+  const auto span = visible_span(tf, {tf.opacities.front().value, tf.opacities.back().value});
   const std::string opaque =
       span ? fmt::format("from {:g} to {:g}", plain(span->low), plain(span->high)) : "nowhere";
   const double low = plain(range.low), high = plain(range.high);

@@ -15,7 +15,6 @@
 #include "net/launcher.hpp"
 #include "options/option_tables.hpp"
 #include "program/text_output.hpp"
-#include "study/error_budget.hpp"
 
 namespace ringsplat::app {
 
@@ -160,7 +159,7 @@ LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
 }
 
 /// Says on rank 0 why sheets err, unless the error is measured.
-void warn_of_errors(const RenderOptions& o, const FrameSpec& frame, const ValueRange& range,
+void warn_of_errors(const RenderOptions& o, const FrameSpec& frame, const DataRange& range,
                     Progress& progress, const Launch& launch) {
   if (launch.rank() != 0 || o.error.truth || o.run.simulation.count_only) return;
   if (frame.shown.mode != Mode::composite || !std::holds_alternative<Sheets>(frame.how)) return;
@@ -255,10 +254,8 @@ FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launc
   made.set(frame.shown);
   if (o.budget.max_error && keep_budget(job, scene, frame, progress, launch))
     scene = reload(job, progress, launch);
-  ValueRange without_outliers = scene.values.range;
-  without_outliers.low = scene.values.histogram.low;
-  without_outliers.high = scene.values.histogram.high;
-  warn_of_errors(o, frame, without_outliers, progress, launch);
+  const Histogram& without_outliers = scene.values.histogram;
+  warn_of_errors(o, frame, {without_outliers.low, without_outliers.high}, progress, launch);
   return frame;
 }
 

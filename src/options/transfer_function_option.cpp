@@ -137,7 +137,7 @@ std::string list_of_colour_maps() {
   return text;
 }
 
-std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range) {
+std::string why_sheets_err(const TransferFunction& tf, const DataRange& range) {
   // One or two thin layers get nodes of their own.
   constexpr int nodes = 1020, resolved = 2;
   const double thin = (range.high / nodes) - (range.low / nodes);
@@ -155,7 +155,7 @@ std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range) 
       tf.name, layers, nodes, resolved);
 }
 
-std::string why_labels_merge(const ValueRange& range) {
+std::string why_labels_merge(const DataRange& range) {
   constexpr double told_apart = 65535;
   if (!(range.high - range.low > told_apart)) return {};
   return fmt::format(

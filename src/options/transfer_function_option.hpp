@@ -7,7 +7,6 @@
 #include "options/options.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
-#include "ringsplat/volume/statistics.hpp"
 
 namespace ringsplat::app {
 
@@ -49,9 +48,9 @@ std::string list_of_colour_maps();
 
 /// Why sheets err with such a transfer function, and what to do: their tables have a thousand nodes for all
 /// values; empty where these suffice.
-std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range);
+std::string why_sheets_err(const TransferFunction& tf, const DataRange& range);
 
 /// Why sheets give labels each other's colours; empty where there are not too many values for that.
-std::string why_labels_merge(const ValueRange& range);
+std::string why_labels_merge(const DataRange& range);
 
 }  // namespace ringsplat::app

@@ -110,18 +110,18 @@ TEST_CASE("a patient's direction is named by its parts, the strongest first") {
 }
 
 TEST_CASE("the colour bar spans the values that can be seen, within the volume's") {
-  const auto span = visible_span(ramp(100, 200), range(0, 255));
+  const auto span = visible_span(ramp(100, 200), {0, 255});
   REQUIRE(span);
   CHECK(span->low == 100);
   CHECK(span->high == 255);
-  CHECK(visible_span(ramp(100, 200), range(150, 160))->low == 150);
-  CHECK_FALSE(visible_span(ramp(100, 200), range(0, 90)));
+  CHECK(visible_span(ramp(100, 200), {150, 160})->low == 150);
+  CHECK_FALSE(visible_span(ramp(100, 200), {0, 90}));
   TransferFunction band = ramp(0, 9);
   band.opacities = {{0, 0}, {2, 0}, {3, 1}, {4, 0}, {9, 0}};
-  CHECK(visible_span(band, range(0, 9))->low == 2);
-  CHECK(visible_span(band, range(0, 9))->high == 4);
+  CHECK(visible_span(band, {0, 9})->low == 2);
+  CHECK(visible_span(band, {0, 9})->high == 4);
   band.opacities = {{3, 0.5}, {4, 0}};
-  CHECK(visible_span(band, range(-7, 9))->low == -7);
+  CHECK(visible_span(band, {-7, 9})->low == -7);
 }
 
 TEST_CASE("the colour bars of a series keep the first volume's values, or those of --range") {

@@ -8,14 +8,6 @@ using namespace ringsplat::app;
 
 namespace {
 
-ValueRange range_from(double low, double high) {
-  ValueRange range;
-  range.low = low;
-  range.high = high;
-  range.finite = 1;
-  return range;
-}
-
 TransferFunction with_opacities(std::vector<TransferFunction::OpacityPoint> points) {
   return {
       .name = "made", .colours = {{0, glm::dvec3(1)}, {1, glm::dvec3(1)}}, .opacities = std::move(points)};
@@ -24,8 +16,8 @@ TransferFunction with_opacities(std::vector<TransferFunction::OpacityPoint> poin
 }  // namespace
 
 TEST_CASE("labels that are too far apart for sheets to tell them from their neighbours are said") {
-  CHECK(why_labels_merge(range_from(0, 65535)) == "");
-  CHECK_THAT(why_labels_merge(range_from(0, 65536)), Catch::Matchers::Contains("--quality paper"));
+  CHECK(why_labels_merge({0, 65535}) == "");
+  CHECK_THAT(why_labels_merge({0, 65536}), Catch::Matchers::Contains("--quality paper"));
 }
 
 TEST_CASE("more thin layers than sheets resolve are said") {
@@ -36,9 +28,9 @@ TEST_CASE("more thin layers than sheets resolve are said") {
         points.push_back({(k + 0.5) / count + beside, opacity});
     return with_opacities(points);
   };
-  const ValueRange unit = range_from(0, 1);
+  const DataRange unit{0, 1};
   CHECK_THAT(why_sheets_err(layers(14, 0.0004), unit), Catch::Matchers::Contains("14 layers"));
   CHECK(why_sheets_err(layers(14, 0.0006), unit) == "");
   CHECK(why_sheets_err(layers(2, 0.0004), unit) == "");
-  CHECK(why_sheets_err(layers(14, 0.0004), range_from(0, 0.1)) == "");
+  CHECK(why_sheets_err(layers(14, 0.0004), {0, 0.1}) == "");
 }
