@@ -142,12 +142,7 @@ void part_into_channels(Job& job, const std::string& wanted, Launch& launch) {
 
 /// What these options need loaded when the views traverse `axes`.
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
-  LoadOptions load{axes,
-                   needs_normals(o.frame),
-                   {o.frame.shown.reduction.factor},
-                   o.frame.shown.reduction.prefilter,
-                   needs_cell_ranges(o.frame),
-                   o.frame.shown.clip};
+  LoadOptions load = needed_along(o.frame, axes);
   if (o.budget.other_engine) {
     FrameSpec other = o.frame;
     other.how = *o.budget.other_engine;

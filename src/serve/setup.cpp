@@ -4,16 +4,13 @@
 
 #include "base/process.hpp"
 #include "classify/auto_preset.hpp"
-#include "frame/frame_geometry.hpp"
 
 namespace ringsplat::serve {
 
 LoadOptions needed_for_levels(const FrameSpec& frame, const Grid& grid) {
-  LoadOptions load{{true, true, true},
-                   needs_normals(frame),
-                   {},
-                   frame.shown.reduction.prefilter,
-                   needs_cell_ranges(frame)};
+  LoadOptions load = needed_along(frame, {true, true, true});
+  load.factors.clear();
+  load.clip.reset();  // pages move it
   for (const Level& level : make_levels(grid.dims))
     if (std::find(load.factors.begin(), load.factors.end(), level.undersample) == load.factors.end())
       load.factors.push_back(level.undersample);

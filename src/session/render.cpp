@@ -174,13 +174,17 @@ std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& came
   return needed;
 }
 
-LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid) {
-  return {needed_axes(spec, {spec.shown.camera}, grid),
+LoadOptions needed_along(const FrameSpec& spec, const std::array<bool, 3>& axes) {
+  return {axes,
           needs_normals(spec),
           {spec.shown.reduction.factor},
           spec.shown.reduction.prefilter,
           needs_cell_ranges(spec),
           spec.shown.clip};
+}
+
+LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid) {
+  return needed_along(spec, needed_axes(spec, {spec.shown.camera}, grid));
 }
 
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,

@@ -118,6 +118,8 @@ inline Director director_of(std::vector<FrameSpec> frames, std::function<void(Fr
 std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& cameras, const Grid& grid,
                                 const std::optional<Method>& or_by = std::nullopt);
 
+/// What has to be loaded for such frames that traverse these axes' slices.
+LoadOptions needed_along(const FrameSpec& spec, const std::array<bool, 3>& axes);
 /// What has to be loaded for one frame.
 LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid);
 
