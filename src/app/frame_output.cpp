@@ -270,13 +270,10 @@ std::vector<Camera> views_of(const RenderOptions& o) {
   if (o.path == "-") return {};
   if (!o.path.empty()) return read_path(o.path, start);
   std::vector<Camera> cameras(std::max<std::size_t>(1, o.views.size()), start);
-  for (std::size_t k = 0; k < o.views.size(); ++k) {
-    const ViewAngles& view = o.views[k];
-    cameras[k].azimuth = view.azimuth.value_or(start.azimuth);
-    cameras[k].elevation = view.elevation.value_or(start.elevation);
-    cameras[k].roll = view.roll.value_or(start.roll);
-    cameras[k].zoom = view.zoom.value_or(start.zoom);
-  }
+  constexpr double Camera::*parts[] = {&Camera::azimuth, &Camera::elevation, &Camera::roll, &Camera::zoom};
+  for (std::size_t k = 0; k < o.views.size(); ++k)
+    for (std::size_t p = 0; p < std::size(parts); ++p)
+      cameras[k].*parts[p] = o.views[k][p].value_or(start.*parts[p]);
   return cameras;
 }
 

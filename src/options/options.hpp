@@ -66,10 +66,8 @@ struct RunOptions {
   std::string machine;  ///< a file; empty: none. Read into `simulation`.
 };
 
-/// One of several views: what it says instead of the options' camera.
-struct ViewAngles {
-  std::optional<double> azimuth, elevation, roll, zoom;
-};
+/// One of several views: azimuth, elevation, roll and zoom that it has instead of the options' camera's.
+using ViewAngles = std::array<std::optional<double>, 4>;
 
 /// Changes of the transfer function that --tf chooses.
 struct ColourOptions {

@@ -9,16 +9,12 @@
 #include <nanobind/stl/vector.h>
 
 #include "app/commands.hpp"
-#include "app/render_job.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
-#include "classify/auto_preset.hpp"
 #include "classify/colour_maps.hpp"
 #include "formats/write.hpp"
 #include "images/image_io.hpp"
-#include "options/option_tables.hpp"
 #include "options/option_values.hpp"
-#include "options/transfer_function_option.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "session/render_frames.hpp"
@@ -34,7 +30,6 @@ namespace {
 
 using Words = std::vector<std::string>;
 using Three = std::array<double, 3>;
-using Angles = std::array<std::optional<double>, 4>;  ///< azimuth, elevation, roll, zoom
 
 constexpr double seconds_between_polls = 0.03;
 
@@ -93,13 +88,6 @@ Hooks hooks_of(nb::handle told) {
   return hooks;
 }
 
-std::vector<app::ViewAngles> views_of(const std::vector<Angles>& angles) {
-  std::vector<app::ViewAngles> views;
-  for (const auto& [azimuth, elevation, roll, zoom] : angles)
-    views.push_back({azimuth, elevation, roll, zoom});
-  return views;
-}
-
 glm::dvec3 to_vec(const Three& v) { return {v[0], v[1], v[2]}; }
 
 Grid grid_of(const std::array<int, 3>& dims, const std::string& type, const Three& spacing,
@@ -115,13 +103,6 @@ Grid grid_of(const std::array<int, 3>& dims, const std::string& type, const Thre
   return grid;
 }
 
-VolumeNotes notes_of(const std::string& unit, const std::string& quantity) {
-  VolumeNotes notes;
-  notes.unit = unit;
-  notes.quantity = quantity;
-  return notes;
-}
-
 const std::byte* at_address(std::uintptr_t address) { return reinterpret_cast<const std::byte*>(address); }
 Strides strides_of(const std::array<std::int64_t, 3>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
 
@@ -133,11 +114,11 @@ void set_volume(app::VolumeOptions& options, const std::optional<ArrayVolume>& a
     options.opener = [array = *array](const VolumeChoice&) { return std::make_unique<ArraySource>(array); };
 }
 
-std::vector<Picture> render(const Words& words, const std::vector<Angles>& views,
+std::vector<Picture> render(const Words& words, const std::vector<app::ViewAngles>& views,
                             const std::optional<ArrayVolume>& array, const std::string& name,
                             nb::handle told) {
   const nb::gil_scoped_release without;
-  app::RenderOptions options = parse_picture(words, views_of(views), From::volume);
+  app::RenderOptions options = parse_picture(words, views, From::volume);
   set_volume(options.volume, array, name);
   return render_pictures(options, hooks_of(told));
 }
@@ -242,9 +223,10 @@ void bind_pictures(nb::class_<BlockSession>& session) {
           without_lock)
       .def(
           "render",
-          [](BlockSession& s, const Words& words, const std::vector<Angles>& views, nb::handle told) {
+          [](BlockSession& s, const Words& words, const std::vector<app::ViewAngles>& views,
+             nb::handle told) {
             const nb::gil_scoped_release without;
-            return s.render(words, views_of(views), hooks_of(told));
+            return s.render(words, views, hooks_of(told));
           },
           nb::arg("words"), nb::arg("views"), nb::arg("told").none())
       .def(
@@ -316,8 +298,10 @@ NB_MODULE(_core, m) {
                           const std::array<std::int64_t, 3>& strides, const std::string& type,
                           const Three& spacing, const Three& origin, const std::array<double, 9>& direction,
                           const std::string& unit, const std::string& quantity) {
-        new (self) ArrayVolume{grid_of(dims, type, spacing, origin, direction), at_address(address),
-                               strides_of(strides), notes_of(unit, quantity)};
+        new (self) ArrayVolume{grid_of(dims, type, spacing, origin, direction),
+                               at_address(address),
+                               strides_of(strides),
+                               {.unit = unit, .quantity = quantity}};
       });
   m.def("write_volume", [](const ArrayVolume& volume, const std::string& path) {
     ArraySource source(volume);
