@@ -77,16 +77,14 @@ bool take(std::string_view text, std::optional<int>& number) {
 
 }  // namespace
 
-Size parse_size(const std::string& text, const std::string& option) {
-  const auto sides = one_or_all<2, int>(text, option, {}, "no image size", "512x512");
-  return {sides.x, sides.y};
+glm::ivec2 parse_size(const std::string& text, const std::string& option) {
+  return one_or_all<2, int>(text, option, {}, "no image size", "512x512");
 }
 
-Size parse_mesh(const std::string& text, const std::string& option) {
+glm::ivec2 parse_mesh(const std::string& text, const std::string& option) {
   // The product stays far inside an int.
-  const auto shape = one_or_all<2, int>(text, option, {1, 4096},
-                                        "not a number of columns and of rows, each 1 to 4096", "4x4");
-  return {shape.x, shape.y};
+  return one_or_all<2, int>(text, option, {1, 4096}, "not a number of columns and of rows, each 1 to 4096",
+                            "4x4");
 }
 
 double parse_memory(const std::string& text, const std::string& option) {

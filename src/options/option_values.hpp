@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
@@ -18,15 +19,11 @@
 /// (`option`, such as "--size") and shows a value that works.
 namespace ringsplat::app {
 
-struct Size {
-  int width = 0, height = 0;
-};
-
 /// "640x480", or "512" for a square.
-Size parse_size(const std::string& text, const std::string& option);
+glm::ivec2 parse_size(const std::string& text, const std::string& option);
 
 /// Columns and rows of a mesh: "4x3", or "4" for 4x4.
-Size parse_mesh(const std::string& text, const std::string& option);
+glm::ivec2 parse_mesh(const std::string& text, const std::string& option);
 
 /// Bytes: "8G", "500M", with powers of 1024; positive.
 double parse_memory(const std::string& text, const std::string& option);

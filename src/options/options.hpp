@@ -56,7 +56,7 @@ struct RunOptions {
   bool choose_bundle = false;  ///< it is "auto"
   std::optional<Placement> placement;
   Topology topology = Topology::ring;
-  std::optional<Size> mesh;              ///< columns and rows of GPs
+  std::optional<glm::ivec2> mesh;        ///< columns and rows of GPs
   Routing routing = Routing::manhattan;  ///< in a mesh
   ProtocolOptions protocol;
   std::optional<int> threads_per_rank;  ///< without it the rank's share of the cores

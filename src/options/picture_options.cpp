@@ -9,7 +9,6 @@
 #include "frame/frame_geometry.hpp"
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -28,9 +27,9 @@ Reader all_of(T& target) {
 
 Reader image_size(FrameSpec& frame) {
   return text([&frame](const std::string& word, const std::string& option) {
-    const Size s = parse_size(word, option);
-    frame.shown.width = s.width;
-    frame.shown.height = s.height;
+    const glm::ivec2 size = parse_size(word, option);
+    frame.shown.width = size.x;
+    frame.shown.height = size.y;
   });
 }
 

@@ -92,8 +92,8 @@ namespace {
 /// A mesh's shape gives the number of GPs; unless told otherwise each row has a Renderer at its left end.
 RunOptions with_mesh_counts(RunOptions o) {
   if (!o.mesh) return o;
-  o.gps = o.mesh->width * o.mesh->height;
-  if (!o.renderers) o.renderers = o.mesh->height;
+  o.gps = o.mesh->x * o.mesh->y;
+  if (!o.renderers) o.renderers = o.mesh->y;
   return o;
 }
 
@@ -103,8 +103,8 @@ Layout empty_layout(const RunOptions& o) {
                 .topology = o.topology,
                 .bundle = o.bundle.value_or(1)};
   if (o.mesh) {
-    layout.mesh_columns = o.mesh->width;
-    layout.mesh_rows = o.mesh->height;
+    layout.mesh_columns = o.mesh->x;
+    layout.mesh_rows = o.mesh->y;
     layout.routing = o.routing;
   }
   return layout;

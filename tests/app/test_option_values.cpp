@@ -7,9 +7,9 @@ using namespace ringsplat;
 using namespace ringsplat::app;
 
 TEST_CASE("sizes and dimensions") {
-  CHECK(parse_size("640x480", "--size").width == 640);
-  CHECK(parse_size("640x480", "--size").height == 480);
-  CHECK(parse_size("512", "--size").height == 512);
+  CHECK(parse_size("640x480", "--size").x == 640);
+  CHECK(parse_size("640x480", "--size").y == 480);
+  CHECK(parse_size("512", "--size").y == 512);
   CHECK(parse_dims("256x128x64", "--dims") == glm::ivec3(256, 128, 64));
   CHECK(parse_dims("8,9,10", "--dims") == glm::ivec3(8, 9, 10));
   CHECK(parse_dims("7", "--dims") == glm::ivec3(7));
