@@ -77,9 +77,9 @@ void add_channels(const Job& job, const Scene& scene, serve::ViewerOptions& v) {
     channel.colour = glm::dvec3(1.0);
     serve::ShownChannel& shown = v.channels.emplace_back();
     shown.name = channel.name;
-    for (int mode = 0; mode <= int(Mode::attenuated); ++mode) {
-      options.colour.mode = Mode(mode);
-      make_function(channel, options, values, scene.grid).set(shown.own[Mode(mode)]);
+    for (const Mode mode : every_mode) {
+      options.colour.mode = mode;
+      make_function(channel, options, values, scene.grid).set(shown.own[mode]);
     }
     v.initial.channels.push_back({true, job.channels[k].colour, shown.window(v.initial.shown.mode)});
   }

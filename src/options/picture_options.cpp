@@ -240,8 +240,7 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        "integral over length, in grey or in --tf's colours and opacities; the first surface of --isovalue; "
        "or the largest value of those dimmed by what lies before them, by --opacity; needs sheets; without "
        "it mip for several channels",
-       choice(o.colour.mode, named({Mode::composite, Mode::mip, Mode::attenuated, Mode::minip, Mode::mean,
-                                    Mode::sum, Mode::surface}))},
+       choice(o.colour.mode, named(every_mode))},
       {"--isovalue", nullptr, nullptr,
        "The value of --mode surface; without it the one that parts the volume's values best",
        value(o.colour.isovalue)},

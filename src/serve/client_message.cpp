@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "base/text.hpp"
 #include "frame/frame_geometry.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -93,6 +94,13 @@ TransferFunction transfer_function_from(const json& j, TransferFunction tf) {
   }
   check(tf, "transfer_function");
   return tf;
+}
+
+Mode mode_from(const json& j) {
+  for (const Mode mode : every_mode)
+    if (j == name(mode)) return mode;
+  std::string words = detail::joined(every_mode, ", ", [](Mode mode) { return name(mode); });
+  throw InputError("mode must be " + words.replace(words.rfind(", "), 2, " or "));
 }
 
 VoxelBox box_from(const json& j, const glm::ivec3& dims) {
@@ -261,12 +269,6 @@ VoxelBox slice_box(const Grid& grid, int axis, int index) {
 }
 
 std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
-
-Mode mode_from(const json& j) {
-  for (int k = 0; k <= int(Mode::attenuated); ++k)
-    if (j == name(Mode(k))) return Mode(k);
-  throw InputError("mode must be composite, mip, attenuated, minip, mean, sum or surface");
-}
 
 SceneState scene_from(const json& j, const MessageRules& rules) {
   if (!j.is_object()) throw InputError("state must be an object");

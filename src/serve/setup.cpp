@@ -29,10 +29,11 @@ void set_modes(const TransferFunction& usual, const ValueStatistics& values, Vie
   Shown& shown = options.initial.shown;
   if (shown.interpolation == Interpolation::nearest) return;
   if (shown.mode != Mode::surface) shown.isovalue = parting_value(values);
-  options.modes.emplace_back(Mode::composite, usual);
-  for (const Mode mode : {Mode::mip, Mode::attenuated, Mode::minip, Mode::mean, Mode::sum, Mode::surface})
-    options.modes.emplace_back(mode,
-                               choose_for_mode(mode, values, options.volume.grid, std::nullopt).function);
+  for (const Mode mode : every_mode)
+    options.modes.emplace_back(
+        mode, mode == Mode::composite
+                  ? usual
+                  : choose_for_mode(mode, values, options.volume.grid, std::nullopt).function);
 }
 
 }  // namespace ringsplat::serve

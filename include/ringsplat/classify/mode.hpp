@@ -1,4 +1,5 @@
 #pragma once
+#include <initializer_list>
 
 namespace ringsplat {
 
@@ -8,5 +9,8 @@ namespace ringsplat {
 /// them has dimmed.
 enum class Mode { composite, mip, minip, mean, sum, surface, attenuated };
 const char* name(Mode mode);
+/// In the order in which people are shown them.
+inline constexpr std::initializer_list<Mode> every_mode{
+    Mode::composite, Mode::mip, Mode::attenuated, Mode::minip, Mode::mean, Mode::sum, Mode::surface};
 
 }  // namespace ringsplat

@@ -1,5 +1,7 @@
 // The scene's state, who is told of its changes, and its forms as text: the URL's fragment and a JSON file.
 
+import { byId } from './dom.js';
+
 const isNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite);
 const isRgb = (list) => isNumbers(list, 3) && list.every((c) => c >= 0 && c <= 1);
 const isAscending = (points) => points.every((p, i) => i === 0 || p[0] >= points[i - 1][0]);
@@ -15,7 +17,7 @@ const checks = {
   camera: (c) => typeof c === 'object' && c !== null && Object.entries(c).every(([key, value]) =>
     (key === 'pan' ? isNumbers(value, 2) : Number.isFinite(value)) && (key !== 'zoom' || value > 0)),
   transfer_function: isTransferFunction,
-  mode: (m) => ['composite', 'mip', 'attenuated', 'minip', 'mean', 'sum', 'surface'].includes(m),
+  mode: (m) => [...byId('mode').options].some(({ value }) => value === m),
   isovalue: Number.isFinite,
   shading: (s) => s === 'phong' || s === 'none',
   light: (l) => isNumbers(l, 3) && Math.hypot(...l) > 0,
