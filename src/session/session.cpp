@@ -11,7 +11,6 @@
 #include "base/archive.hpp"
 #include "base/process.hpp"
 #include "classify/auto_preset.hpp"
-#include "frame/frame_spec_bytes.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
@@ -20,20 +19,13 @@
 #include "session/render_frames.hpp"
 
 namespace ringsplat {
+
+template <class Archive>
+void fields(LoadOptions& o, Archive& archive) {
+  archive(o.kept_axes, o.with_normals, o.factors, o.prefilter, o.with_cell_ranges, o.clip);
+}
+
 namespace {
-
-Block to_block(const std::vector<FrameSpec>& frames) {
-  std::vector<Bytes> all;
-  for (const FrameSpec& frame : frames) all.push_back(encode(frame));
-  return to_bytes(all);
-}
-
-std::vector<FrameSpec> frames_of(const Block& block) {
-  std::vector<FrameSpec> frames;
-  for (const Bytes& one : value_of<std::vector<Bytes>>(block, "frames"))
-    frames.push_back(decode_frame_spec(one));
-  return frames;
-}
 
 // Rows of this size stay in a core's cache while they are packed, sent and placed; larger ones take up to
 // twice as long (tests/session/bench_commit.cpp).
@@ -102,13 +94,6 @@ struct Session::State {
     wiring.collectives.patience = {options.stall_timeout, false};
     // Several processes would wait for one that ends a call by itself.
     if (wiring.transport == nullptr) wiring.loopback.poll = options.poll;
-  }
-
-  /// What frames need, made while `poll` is called.
-  LoadOptions needed(const std::vector<FrameSpec>& frames) const {
-    LoadOptions options = needed_together(frames, committed());
-    if (wiring.loopback.poll) options.told = [poll = wiring.loopback.poll](double) { poll(); };
-    return options;
   }
 
   /// Begins a collective call: all must be in the same one, and all throw when one has an error, now or from
@@ -285,17 +270,19 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
                           const std::function<void(FrameResult&&)>& take) {
   const PlainFloats floats;
   Session::State& s = *session.state_;
+  std::optional<LoadOptions> needed;  // on rank 0, where there are frames
   s.enter("render", input_error_of([&] {
             const Grid& grid = s.committed();
             check(s.engine);
             check(s.protocol);
             if (s.processes.rank() != 0 || frames.empty()) return;
             for (const FrameSpec& frame : frames) check_frame(frame, grid);
-            static_cast<void>(needed_together(frames, grid));
+            needed = needed_together(frames, grid);
           }));
-  const auto all =
-      frames_of(s.wiring.collectives.broadcast(session.rank() == 0 ? to_block(frames) : Block{}, 0));
-  if (all.empty()) return;
+  const Block told = s.wiring.collectives.broadcast(needed ? to_bytes(*needed) : Block{}, 0);
+  if (told.empty()) return;
+  needed = value_of<LoadOptions>(told, "what frames need");
+  if (s.wiring.loopback.poll) needed->told = [poll = s.wiring.loopback.poll](double) { poll(); };
   // What is thrown between messages would leave the other ranks waiting.
   std::exception_ptr thrown;
   const auto take_one = [&](FrameResult&& result) {
@@ -306,8 +293,8 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
       thrown = std::current_exception();
     }
   };
-  Scene scene = s.scene_for(s.needed(all));
-  render_frames(std::move(scene), s.layout, s.protocol, director_of(all, take_one), s.wiring, s.engine);
+  Scene scene = s.scene_for(*needed);
+  render_frames(std::move(scene), s.layout, s.protocol, director_of(frames, take_one), s.wiring, s.engine);
   if (thrown) std::rethrow_exception(thrown);
 }
 
