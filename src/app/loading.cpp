@@ -267,9 +267,7 @@ Scene load(const Job& job, OpenedVolume& volume, Progress& progress, Launch& lau
   Scene scene = load_scene(volume, told, job.layout, launch.wiring(job.options.run.loopback));
   progress.end();
   volume.source.reset();
-  if (scene.values.range.empty())
-    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
-                     "check the file's --type and --endian");
+  check_values(scene.values, "check the file's --type and --endian");
   return scene;
 }
 

@@ -25,7 +25,7 @@ namespace {
 std::string settings_text(const FrameSpec& spec, const ReferenceOptions& o) {
   auto j = nlohmann::json::parse(to_json_text(spec));
   j["volume"] = std::filesystem::path(o.picture.volume.path).filename().string();
-  j["truth"] = to_string(o.truth);
+  j["truth"] = name(o.truth);
   if (o.truth == TruthKind::field || o.truth == TruthKind::analytic) j["tolerance"] = o.tolerance;
   if (o.truth == TruthKind::analytic) j["formula"] = o.formula;
   return plain_json_text(std::move(j));
@@ -50,7 +50,7 @@ ExitCode run_reference(const ReferenceOptions& o) {
     throw InputError("reference takes no views from stdin", "write them into a file for --path");
   if (!o.without_effect.empty())
     log_warning("{} change{} nothing in the {} truth", joined(o.without_effect, ", "),
-                o.without_effect.size() == 1 ? "s" : "", to_string(o.truth));
+                o.without_effect.size() == 1 ? "s" : "", name(o.truth));
   const TransferFunctionChoice choice(o.picture.transfer_function, o.picture.colour);
   const auto source = open_volume(o.picture.volume);
   RenderOptions picture = o.picture;
@@ -78,7 +78,7 @@ ExitCode run_reference(const ReferenceOptions& o) {
     write_image(image, file_of_view(o.picture, o.picture.output, k), o.picture.background,
                 settings_text(spec, o));
     fmt::print(results, "{}  {:.2f} s  {} truth\n", file_of_view(o.picture, o.picture.output, k).string(),
-               now_seconds() - start, to_string(o.truth));
+               now_seconds() - start, name(o.truth));
   }
   return ExitCode::done;
 }

@@ -25,7 +25,7 @@ using nlohmann::json;
 
 /// All but the time, which differs from run to run.
 inline json to_json(const MeasuredError& m) {
-  json all{{"truth", to_string(m.truth)},    {"pixels", m.error.pixels},
+  json all{{"truth", name(m.truth)},         {"pixels", m.error.pixels},
            {"outside", m.error.outside},     {"seed", m.seed},
            {"rmse", m.error.rmse},           {"rmse_low", m.error.rmse_low},
            {"rmse_high", m.error.rmse_high}, {"largest", m.error.largest},

@@ -8,17 +8,9 @@
 
 namespace ringsplat::app {
 
-std::string to_string(TruthKind kind) {
-  constexpr const char* names[] = {"method", "field", "analytic", "certified"};
-  return names[int(kind)];
-}
-
-TruthKind truth_from(const std::string& name, const std::string& option) {
-  return chosen<TruthKind>({{"method", TruthKind::method},
-                            {"field", TruthKind::field},
-                            {"analytic", TruthKind::analytic},
-                            {"certified", TruthKind::certified}},
-                           name, option);
+TruthKind truth_from(const std::string& word, const std::string& option) {
+  using enum TruthKind;
+  return chosen(named({method, field, analytic, certified}), word, option);
 }
 
 namespace {

@@ -87,7 +87,10 @@ struct ColourOptions {
 
 /// Which truth a picture is measured against (docs/accuracy.md).
 enum class TruthKind { method, field, analytic, certified };
-std::string to_string(TruthKind kind);
+constexpr const char* name(TruthKind kind) {
+  constexpr const char* names[] = {"method", "field", "analytic", "certified"};
+  return names[static_cast<int>(kind)];
+}
 /// Throws InputError that lists the names; `option` is the option that was given.
 TruthKind truth_from(const std::string& name, const std::string& option);
 

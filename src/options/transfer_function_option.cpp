@@ -13,6 +13,7 @@
 #include "classify/adjust.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
+#include "session/render_frames.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -88,9 +89,7 @@ AutoChoice TransferFunctionChoice::base(const ValueStatistics& values, const Gri
 }
 
 MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, const Grid& grid) const {
-  if (values.range.empty())
-    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
-                     "check the file's --type and --endian");
+  check_values(values, "check the file's --type and --endian");
   if (colour_.log && colour_.range && !(colour_.range->low > 0))
     throw InputError(fmt::format("--log cannot show values from {:g}, as only positive ones have a logarithm",
                                  colour_.range->low),

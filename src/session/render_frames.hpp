@@ -126,8 +126,8 @@ LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid);
 /// Throws the InputError with which ranks would refuse to draw a frame of this volume. Costs no voxel.
 void check_frame(const FrameSpec& spec, const Grid& grid);
 
-/// Throws InputError when a session's blocks have nothing to show: no finite value.
-void check_values(const ValueStatistics& values);
+/// Throws InputError when a volume has nothing to show: no finite value.
+void check_values(const ValueStatistics& values, const std::string& hint = "check the blocks' values");
 
 Sharing sharing_of(const Layout& layout, const Wiring& wiring);
 

@@ -298,10 +298,9 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
   if (thrown) std::rethrow_exception(thrown);
 }
 
-void check_values(const ValueStatistics& values) {
+void check_values(const ValueStatistics& values, const std::string& hint) {
   if (values.range.empty())
-    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
-                     "check the blocks' values");
+    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite", hint);
 }
 
 void SessionParts::direct(Session& session, const LoadOptions& needed, Director director) {

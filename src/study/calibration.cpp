@@ -178,7 +178,7 @@ std::string calibration_key(const RenderOptions& o, const FrameSpec& reference, 
               {"views", views_json(reference, views)},
               {"fixed", o.budget.fixed},
               {"other_engine", o.budget.other_engine.has_value()},
-              {"truth", to_string(calibrating_truth(o.error))},
+              {"truth", name(calibrating_truth(o.error))},
               {"layout", layout_json(o.run, layout)},
               {"pixels", o.error.pixels},
               {"seed", o.error.seed}}

@@ -345,8 +345,8 @@ std::string to_text(const MeasuredError& m) {
   return fmt::format(
       "error against the {}'s truth: {:.4g}/255 rms (95 %: {:.4g} to {:.4g}), largest {:.4g}, mean {:+.3g}; "
       "{} pixels in {:.2f} s",
-      to_string(m.truth), m.error.rmse, m.error.rmse_low, m.error.rmse_high, m.error.largest,
-      plain(m.error.mean), m.error.pixels, m.seconds);
+      name(m.truth), m.error.rmse, m.error.rmse_low, m.error.rmse_high, m.error.largest, plain(m.error.mean),
+      m.error.pixels, m.seconds);
 }
 
 }  // namespace ringsplat::app

@@ -162,7 +162,7 @@ std::vector<std::pair<std::string, std::string>> named(const std::vector<Named>&
 void bind_pictures(nb::module_& m) {
   using Pixels = nb::ndarray<nb::numpy, const float, nb::shape<-1, -1, 4>>;
   nb::class_<app::MeasuredError>(m, "MeasuredError")
-      .def_prop_ro("truth", [](const app::MeasuredError& e) { return app::to_string(e.truth); })
+      .def_prop_ro("truth", [](const app::MeasuredError& e) { return app::name(e.truth); })
       .def_prop_ro("rms", [](const app::MeasuredError& e) { return e.error.rmse; })
       .def_prop_ro("interval",
                    [](const app::MeasuredError& e) { return std::pair(e.error.rmse_low, e.error.rmse_high); })
