@@ -279,10 +279,6 @@ class Requests {
     wake_();
   }
 
-  static std::string_view text(const Bytes& bytes) {
-    return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-  }
-
   /// The picture's file. Channels have functions of their own.
   static Bytes bytes_of(const FrameResult& result, const File& file) {
     auto settings = nlohmann::json::parse(to_json_text(result.spec));
@@ -299,7 +295,8 @@ class Requests {
     PictureHead head =
         head_of(file, PictureKind::snapshot, file.asked.exr ? PictureFormat::exr : PictureFormat::png);
     head.seconds = static_cast<float>(result.stats.seconds);
-    server_.send_binary(file.client, std::make_shared<const std::string>(picture_message(head, text(bytes))));
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    server_.send_binary(file.client, std::make_shared<const std::string>(picture_message(head, text)));
   }
 
   void add_to_movie(const FrameResult& result, const File& file) {
@@ -314,7 +311,9 @@ class Requests {
       if (!movie_ || movie_->movie() != file.movie) return;
       movie_->answer();
     }
-    server_.send_text(file.client, movie_frame_text(file.asked.id, file.asked.movie->index));
+    server_.send_text(
+        file.client,
+        text_of({{"type", "movie_frame"}, {"id", file.asked.id}, {"index", file.asked.movie->index}}));
   }
 
   void finish_movie(const File& file) {

@@ -4,6 +4,7 @@
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <condition_variable>
+#include <csignal>
 #include <cstdint>
 #include <mutex>
 #include <utility>
@@ -108,7 +109,7 @@ class PageViewer final : public Viewer {
     }
     wake();
     requests_.end();
-    server_.end(end_text(message));
+    server_.end(text_of({{"type", "end"}, {"message", message}}));
   }
 
  private:
@@ -133,7 +134,12 @@ class PageViewer final : public Viewer {
                   closed(client);
                   wake();
                 },
-            .signalled = [this](int number) { end(ended_by_signal_text(number)); }};
+            .signalled =
+                [this](int number) {
+                  end(number == SIGINT
+                          ? "The server was interrupted."
+                          : "The job was ended from outside: it was cancelled, or one of its ranks died.");
+                }};
   }
 
   void opened(ClientId client) {
@@ -195,7 +201,11 @@ class PageViewer final : public Viewer {
     requests_.add(client, asked, best_frames(*last).front(), last->frame);
   }
 
-  void handle(ClientId client, const MapMessage& map) { server_.send_text(client, map_text(map)); }
+  void handle(ClientId client, const MapMessage& map) {
+    server_.send_text(
+        client,
+        text_of({{"type", "map"}, {"id", map.id}, {"transfer_function", to_json(map.transfer_function)}}));
+  }
 
   void handle(ClientId client, const FileMessage& asked) {
     requests_.add(client, asked, best_frames(asked.scene));

@@ -139,15 +139,10 @@ std::string driver_text(bool drives, int viewers);
 std::string frame_text(int frame, std::string_view status);
 std::string state_text(const SceneState& scene);
 std::string run_text(const RunState& run);
-std::string map_text(const MapMessage& map);
 std::string probe_text(std::uint32_t id, const Probed& probed);
-/// A movie's frame is there; another may come.
-std::string movie_frame_text(std::uint32_t id, int index);
 /// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO". `id`: of the message that it answers.
 std::string error_text(std::string_view what, std::optional<std::uint32_t> id = std::nullopt);
 /// `what`: as of an error.
 std::string warning_text(std::string_view what);
-std::string end_text(const std::string& message);
-std::string ended_by_signal_text(int number);
 
 }  // namespace ringsplat::serve

@@ -1,6 +1,5 @@
 #include "serve/viewer.hpp"
 
-#include <csignal>
 #include <nlohmann/json.hpp>
 
 #include "frame/frame_geometry.hpp"
@@ -137,10 +136,6 @@ std::string run_text(const RunState& run) {
                   {"parameters", run.parameters}});
 }
 
-std::string map_text(const MapMessage& map) {
-  return text_of({{"type", "map"}, {"id", map.id}, {"transfer_function", to_json(map.transfer_function)}});
-}
-
 std::string probe_text(std::uint32_t id, const Probed& probed) {
   return text_of({{"type", "probe"},
                   {"id", id},
@@ -150,10 +145,6 @@ std::string probe_text(std::uint32_t id, const Probed& probed) {
                   {"value", probed.value}});
 }
 
-std::string movie_frame_text(std::uint32_t id, int index) {
-  return text_of({{"type", "movie_frame"}, {"id", id}, {"index", index}});
-}
-
 std::string error_text(std::string_view what, std::optional<std::uint32_t> id) {
   json error = said("error", what);
   if (id) error["id"] = *id;
@@ -161,12 +152,5 @@ std::string error_text(std::string_view what, std::optional<std::uint32_t> id) {
 }
 
 std::string warning_text(std::string_view what) { return text_of(said("warning", what)); }
-
-std::string end_text(const std::string& message) { return text_of({{"type", "end"}, {"message", message}}); }
-
-std::string ended_by_signal_text(int number) {
-  return number == SIGINT ? "The server was interrupted."
-                          : "The job was ended from outside: it was cancelled, or one of its ranks died.";
-}
 
 }  // namespace ringsplat::serve
