@@ -84,13 +84,6 @@ std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout
   return options.engine ? options.engine(std::move(setup)) : make_rank_engine(setup, others);
 }
 
-void run_on_transport(Engine& engine, FrameSource& frames, const Layout& layout,
-                      const ProtocolOptions& protocol, Transport& plain, const EngineOptions& options) {
-  const auto network = options.network ? options.network(plain) : nullptr;
-  Transport& transport = network ? *network : plain;
-  Rank(layout, protocol, transport, engine, &frames, {.pace = options.pace}).host().run();
-}
-
 class Engines final : public Engine {
  public:
   Engines(std::vector<EngineSetup> volumes, std::vector<MethodEngine> methods)
@@ -226,15 +219,11 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
       frames.take_picture(frame, std::move(picture));
     });
   };
-  if (wiring.transport == nullptr)
-    run_loopback(layout, protocol, engine_of, frames, wiring.loopback);
-  else
-    run_on_transport(*engine_of(wiring.transport->rank()), frames, layout, protocol, *wiring.transport,
-                     options);
-}
-
-std::vector<MethodEngine> drawing_engines() {
-  return {{Splats::name, make_splat_engine}, {Sheets::name, make_sheet_engine}};
+  if (wiring.transport == nullptr) return run_loopback(layout, protocol, engine_of, frames, wiring.loopback);
+  const auto engine = engine_of(wiring.transport->rank());
+  const auto network = options.network ? options.network(*wiring.transport) : nullptr;
+  Transport& transport = network ? *network : *wiring.transport;
+  Rank(layout, protocol, transport, *engine, &frames, {.pace = options.pace}).host().run();
 }
 
 std::unique_ptr<Engine> make_engines(const EngineSetup& setup, std::vector<MethodEngine> methods) {
@@ -243,7 +232,8 @@ std::unique_ptr<Engine> make_engines(const EngineSetup& setup, std::vector<Metho
 
 std::unique_ptr<Engine> make_rank_engine(const EngineSetup& setup, std::vector<EngineSetup> others) {
   others.insert(others.begin(), setup);
-  std::unique_ptr<Engine> engine = std::make_unique<Engines>(std::move(others), drawing_engines());
+  std::vector<MethodEngine> drawing{{Splats::name, make_splat_engine}, {Sheets::name, make_sheet_engine}};
+  std::unique_ptr<Engine> engine = std::make_unique<Engines>(std::move(others), std::move(drawing));
   return setup.bundle > 1 ? make_bundle_engine(std::move(engine), setup.bundle) : std::move(engine);
 }
 

@@ -155,14 +155,12 @@ struct MethodEngine {
   const char* method;
   std::function<std::unique_ptr<Engine>(const EngineSetup& setup)> make;
 };
-/// Those that draw.
-std::vector<MethodEngine> drawing_engines();
 
 /// The engines of one rank. A frame's engine is found by the name of its method and made on first use.
-std::unique_ptr<Engine> make_engines(const EngineSetup& setup,
-                                     std::vector<MethodEngine> methods = drawing_engines());
+std::unique_ptr<Engine> make_engines(const EngineSetup& setup, std::vector<MethodEngine> methods);
 
-/// The same, whose steps are the setup's bundles. Frames may be of the other volumes, too.
+/// The same of engines that draw, whose steps are the setup's bundles. Frames may be of the other volumes,
+/// too.
 std::unique_ptr<Engine> make_rank_engine(const EngineSetup& setup, std::vector<EngineSetup> others = {});
 
 /// What a session can do for other rooms that is not for users.
