@@ -133,14 +133,8 @@ void add_scale_bar(Sheet& sheet, double pixels_per_unit, const VolumeNotes& note
   sheet.keep_if_free();
 }
 
-struct Bar {
-  double left, top, right, bottom;
-};
-
 /// The colours over the values, the highest above, within a frame.
-void add_colours(Sheet& sheet, const Bar& bar, const TransferFunction& tf, const DataRange& span) {
-  Patch patch{
-      int(bar.left), int(bar.top), int(bar.right) - int(bar.left), int(bar.bottom) - int(bar.top), {}};
+void add_colours(Sheet& sheet, Patch patch, const TransferFunction& tf, const DataRange& span) {
   for (int y = 0; y < patch.height; ++y) {
     const double value = span.high - (y + 0.5) / patch.height * (span.high - span.low);
     const glm::dvec3 colour = linear_to_srgb(glm::clamp(tf.evaluate(value).colour, 0.0, 1.0));
@@ -159,15 +153,16 @@ void add_colours(Sheet& sheet, const Bar& bar, const TransferFunction& tf, const
 void add_colour_bar(Sheet& sheet, double bottom, const TransferFunction& tf, const DataRange& span,
                     const std::string& quantity) {
   const double letter = sheet.letter(), right = sheet.width() - sheet.margin();
-  Bar bar{right - 0.9 * letter, sheet.margin() + 0.5 * letter, right, bottom};
-  if (!quantity.empty()) bar.top += 1.5 * letter;
-  const double height = bar.bottom - bar.top;
+  const double left = right - 0.9 * letter;
+  double top = sheet.margin() + 0.5 * letter;
+  if (!quantity.empty()) top += 1.5 * letter;
+  const double height = bottom - top;
   const int most_ticks = static_cast<int>(height / (2.2 * letter));
   if (most_ticks < 2 || !std::isfinite(span.high - span.low)) return;
   // The least of 1, 2 or 5 times a power of ten that is not below `least`.
   const double least = (span.high - span.low) / most_ticks, below = round_length(least);
   const double step = below >= least ? below : round_length(2.51 * below);
-  add_colours(sheet, bar, tf, span);
+  add_colours(sheet, {int(left), int(top), int(right) - int(left), int(bottom) - int(top), {}}, tf, span);
   if (!quantity.empty()) sheet.text(quantity, {right, sheet.margin() + 0.5 * letter}, 1);
   // Enough digits to tell neighbouring ticks apart.
   const double largest = std::max(std::abs(span.low), std::abs(span.high));
@@ -175,9 +170,9 @@ void add_colour_bar(Sheet& sheet, double bottom, const TransferFunction& tf, con
   const double first = std::ceil(span.low / step);
   for (int k = 0; k <= most_ticks && (first + k) * step <= span.high; ++k) {
     const double value = (first + k) * step;
-    const double y = bar.bottom - (value - span.low) / (span.high - span.low) * height;
-    sheet.line({bar.left - 0.35 * letter, y}, {bar.left, y}, sheet.ink(), 0.08);
-    sheet.text(fmt::format("{:.{}g}", plain(value), digits), {bar.left - 0.6 * letter, y}, 1);
+    const double y = bottom - (value - span.low) / (span.high - span.low) * height;
+    sheet.line({left - 0.35 * letter, y}, {left, y}, sheet.ink(), 0.08);
+    sheet.text(fmt::format("{:.{}g}", plain(value), digits), {left - 0.6 * letter, y}, 1);
   }
   sheet.keep_if_free();
 }

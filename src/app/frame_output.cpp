@@ -221,7 +221,9 @@ void FrameOutput::finish() {
   if (empty_frames_ > 1) log_warning("{} of {} frames are empty", empty_frames_, seconds_.size());
   if (nearly_empty_frames_ > 1)
     log_warning("{} of {} frames are nearly empty", nearly_empty_frames_, seconds_.size());
-  if (seconds_.size() > 1) progress_.print(summary());
+  if (seconds_.size() > 1)  // with a rate, as frames overlap
+    progress_.print(fmt::format("{} frames, median {:.4f} s from start to end, one every {:.4f} s",
+                                seconds_.size(), median(seconds_), period_sum_ / double(seconds_.size())));
 }
 
 void FrameOutput::make_film() {
@@ -231,12 +233,6 @@ void FrameOutput::make_film() {
   film_.reset();
   progress_.end();
   progress_.print(options_.output);
-}
-
-/// Gives a rate, too, since frames overlap.
-std::string FrameOutput::summary() const {
-  return fmt::format("{} frames, median {:.4f} s from start to end, one every {:.4f} s", seconds_.size(),
-                     median(seconds_), period_sum_ / double(seconds_.size()));
 }
 
 bool names_film(const fs::path& output) { return output.extension() == ".mp4"; }

@@ -117,7 +117,6 @@ class FrameOutput {
   void write(const FinishedFrame& frame, const MeasuredError* error);
   void add_to_film(const Image& image, const Overlay& overlay);
   const MeasuredError& error_of(KeptFrame& kept);
-  std::string summary() const;
 
   const Job& job_;
   const RenderOptions& options_;  ///< the job's

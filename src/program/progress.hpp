@@ -56,8 +56,6 @@ class Progress {
     changed_.notify_all();
     if (thread_.joinable()) thread_.join();
   }
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
 
   /// Starts a piece of work of `total` units; 0 when that is not known.
   void begin(const std::string& what, double total) {

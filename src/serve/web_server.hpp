@@ -36,8 +36,6 @@ class WebServer {
   WebServer(const ServerOptions& options, ServerEvents events);
   /// Closes all connections at once.
   ~WebServer();
-  WebServer(const WebServer&) = delete;
-  WebServer& operator=(const WebServer&) = delete;
 
   /// From now on there are events.
   void start();
