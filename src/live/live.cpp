@@ -26,19 +26,6 @@ enum class Act : std::uint8_t { go_on, draw, count_and_draw, answer, hold };
 
 constexpr double soon = 0.2;  ///< seconds, as often as people read
 
-/// Keeps what pictures take to a part of the simulation's own time.
-class Share {
- public:
-  explicit Share(double part) : part_(part) {}
-  void came_back() { debt_ = std::max(0.0, debt_ - part_ * (now_seconds() - left_)); }
-  bool allows_a_picture() const { return debt_ <= 0; }
-  void spent(double seconds) { debt_ += seconds; }
-  void leave() { left_ = now_seconds(); }
-
- private:
-  double part_, debt_ = 0, left_ = now_seconds();
-};
-
 FrameSpec first_frame(const LiveOptions& options, const ValueStatistics& values) {
   FrameSpec frame;
   if (options.frame) {
@@ -132,7 +119,7 @@ struct Live::State {
   }
 
   void begin(std::int64_t step, double time) {
-    share.came_back();
+    debt = std::max(0.0, debt - share * (now_seconds() - left));
     ++steps;
     const double passed = now_seconds() - told;
     {
@@ -150,7 +137,7 @@ struct Live::State {
 
   Act decide() {
     if (holds()) return Act::hold;
-    if (!share.allows_a_picture()) return Act::go_on;
+    if (debt > 0) return Act::go_on;
     if (viewer->has_requests()) return Act::answer;
     viewer->renewed(range, true);
     director = viewer->director();
@@ -240,7 +227,9 @@ struct Live::State {
   ValueRange range;  ///< of the volume that was counted last
 
   // Rank 0's.
-  Share share;
+  const double share;               ///< of the simulation's own time that pictures may take
+  double debt = 0;                  ///< seconds that they have taken beyond that
+  double left = now_seconds();      ///< when show() last returned
   std::mutex telling;               ///< guards what pages are told and want
   RunState run;                     ///< its parameters in the order in which they were offered
   std::vector<bool> set_by_page;    ///< which of them have values that the program has not yet taken
@@ -284,12 +273,12 @@ void Live::show(std::int64_t step, double time) {
       s.hold(act);
     else
       s.draw();
-    s.share.spent(now_seconds() - begin);
+    s.debt += now_seconds() - begin;
     break;
   }
   const std::lock_guard lock(s.telling);
   s.steps_wanted = std::max(s.steps_wanted - 1, 0);
-  s.share.leave();
+  s.left = now_seconds();
 }
 
 }  // namespace ringsplat
