@@ -63,17 +63,13 @@ class ArraySource final : public VolumeSource {
 };
 
 /// Throws what a signal's handler raised, KeyboardInterrupt after Ctrl-C.
-void throw_signals() {
-  const nb::gil_scoped_acquire lock;
-  if (PyErr_CheckSignals() != 0) throw nb::python_error();
-}
-
 std::function<void()> poll_now_and_then() {
   return [last = 0.0]() mutable {
     const double now = now_seconds();
     if (now - last < seconds_between_polls) return;
     last = now;
-    throw_signals();
+    const nb::gil_scoped_acquire lock;
+    if (PyErr_CheckSignals() != 0) throw nb::python_error();
   };
 }
 

@@ -11,23 +11,17 @@ using namespace ringsplat;
 
 namespace {
 
-/// An exception type of this module's own would come in place of _core's in the whole process.
-[[noreturn]] void raise_run_error(const RunError& error) {
-  PyErr_SetString(nb::module_::import_("ringsplat._core").attr("RunError").ptr(), error.what());
-  throw nb::python_error();
-}
-
-Processes connect(std::uintptr_t handle) {
+/// Makes what _core's BlockSession takes over.
+nb::capsule connect(std::uintptr_t handle) {
+  Processes processes;
   try {
     const nb::gil_scoped_release without;
-    return connected_at(reinterpret_cast<const void*>(handle));
+    processes = connected_at(reinterpret_cast<const void*>(handle));
   } catch (const RunError& error) {
-    raise_run_error(error);
+    // An exception type of this module's own would come in place of _core's in the whole process.
+    PyErr_SetString(nb::module_::import_("ringsplat._core").attr("RunError").ptr(), error.what());
+    throw nb::python_error();
   }
-}
-
-/// What _core's BlockSession takes over.
-nb::capsule to_capsule(Processes&& processes) {
   const auto destroy = [](void* held) noexcept { delete static_cast<Processes*>(held); };
   return nb::capsule(new Processes(std::move(processes)), "ringsplat.Processes", destroy);
 }
@@ -38,7 +32,6 @@ NB_MODULE(_mpi, m) {
   m.doc() = "Sessions on the ranks of an MPI communicator. Not for users.";
   m.def("library", &MpiSession::library, "The MPI library that this module is linked with.");
   m.def("handle_bytes", &communicator_handle_bytes, "Bytes of an MPI_Comm.");
-  m.def(
-      "connect", [](std::uintptr_t handle) { return to_capsule(connect(handle)); },
-      "Connects the processes of the communicator whose MPI_Comm is at this address; collective.");
+  m.def("connect", &connect,
+        "Connects the processes of the communicator whose MPI_Comm is at this address; collective.");
 }
