@@ -124,40 +124,32 @@ class Movie {
 };
 
 /// A client's turn to make a movie, whose frames come in order. Not for several threads at once.
-class MovieTurn {
- public:
-  MovieTurn(ClientId client, std::uint32_t id, std::shared_ptr<Movie> movie)
-      : client_(client), id_(id), movie_(std::move(movie)) {}
+struct MovieTurn {
+  ClientId client;
+  std::uint32_t id;
+  std::shared_ptr<Movie> movie;
+  int next = 0;                                          ///< index that must come
+  int answered = 0;                                      ///< frames
+  Movie::Clock::time_point heard = Movie::Clock::now();  ///< when the client last asked or was answered
 
-  bool is_of(ClientId client) const { return client_ == client; }
-  bool is(ClientId client, std::uint32_t id) const { return is_of(client) && id_ == id; }
-  const std::shared_ptr<Movie>& movie() const { return movie_; }
   /// The client, which got an answer to all that it sent, has said nothing for long.
   bool is_abandoned() const {
     constexpr std::chrono::seconds patience{60};
-    return answered_ == next_ && Movie::Clock::now() - heard_ > patience;
+    return answered == next && Movie::Clock::now() - heard > patience;
   }
   /// Throws InputError unless it is the next frame of the movie as it began.
   void ask(const MovieFrame& frame) {
-    if (frame.plan != movie_->plan())
+    if (frame.plan != movie->plan())
       throw InputError("all frames of a movie must have the same size, rate and count");
-    if (frame.index != next_)
-      throw InputError(fmt::format("frame {} of the movie must come, not {}", next_, frame.index));
-    ++next_;
-    heard_ = Movie::Clock::now();
+    if (frame.index != next)
+      throw InputError(fmt::format("frame {} of the movie must come, not {}", next, frame.index));
+    ++next;
+    heard = Movie::Clock::now();
   }
   void answer() {
-    ++answered_;
-    heard_ = Movie::Clock::now();
+    ++answered;
+    heard = Movie::Clock::now();
   }
-
- private:
-  ClientId client_;
-  std::uint32_t id_;
-  std::shared_ptr<Movie> movie_;
-  int next_ = 0;                                          ///< index that must come
-  int answered_ = 0;                                      ///< frames
-  Movie::Clock::time_point heard_ = Movie::Clock::now();  ///< when the client last asked or was answered
 };
 
 }  // namespace ringsplat::serve

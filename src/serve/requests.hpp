@@ -71,7 +71,7 @@ class Requests {
   /// Gives a client's movie up. Another number than its movie's: nothing happens.
   void cancel_movie(ClientId client, std::uint32_t id) {
     const std::lock_guard lock(mutex_);
-    if (movie_ && movie_->is(client, id)) give_movie_up();
+    if (is_turn_of(client, id)) give_movie_up();
   }
 
   /// The client is gone.
@@ -81,7 +81,7 @@ class Requests {
     if (probing_ && probing_->client == client) probing_->forgotten = true;
     std::erase_if(files_, [client](const File& file) { return file.client == client; });
     if (making_ && making_->client == client) making_->forgotten = true;
-    if (movie_ && movie_->is_of(client)) give_movie_up();
+    if (movie_ && movie_->client == client) give_movie_up();
   }
 
   /// No more frames will be rendered.
@@ -153,13 +153,7 @@ class Requests {
     return !ended_ && (probing_ || draws || !probes_.empty());
   }
 
-  /// True when that frame is one that next() gave and that has not come back.
-  bool renders(std::int64_t frame) const {
-    const std::lock_guard lock(mutex_);
-    return (probing_ && probing_->frame == frame) || (making_ && making_->frame == frame);
-  }
-
-  /// True once for such a frame that nobody waits for any more; it then counts as come back.
+  /// True once for a frame that next() gave and that nobody waits for any more; it then counts as come back.
   bool unwanted(std::int64_t frame) {
     const std::lock_guard lock(mutex_);
     const auto drop = [&](auto& job) {
@@ -170,19 +164,18 @@ class Requests {
     return drop(probing_) || drop(making_);
   }
 
-  /// Takes such a frame.
-  void take(FrameResult&& result) {
+  /// Takes a frame that next() gave; false when it is none, or one that has come back.
+  bool take(FrameResult& result) {
     const std::lock_guard lock(mutex_);
-    if (probing_ && probing_->frame == result.spec.frame) {
-      take_probe(result.image);
-    } else if (making_ && making_->frame == result.spec.frame) {
-      if (making_->forgotten || ended_) return making_.reset();
-      making_->frame = -1;
-      post(file_worker_,
-           [this, file = *making_, kept = std::make_shared<const FrameResult>(std::move(result))] {
-             make_file(*kept, file);
-           });
-    }
+    if (probing_ && probing_->frame == result.spec.frame) return take_probe(result.image), true;
+    if (!making_ || making_->frame != result.spec.frame) return false;
+    if (making_->forgotten || ended_) return making_.reset(), true;
+    making_->frame = -1;
+    post(file_worker_,
+         [this, file = *making_, kept = std::make_shared<const FrameResult>(std::move(result))] {
+           make_file(*kept, file);
+         });
+    return true;
   }
 
  private:
@@ -235,27 +228,31 @@ class Requests {
     probing_.reset();
   }
 
+  /// The mutex is held.
+  bool is_turn_of(ClientId client, std::uint32_t id) const {
+    return movie_ && movie_->client == client && movie_->id == id;
+  }
+
   /// The mutex is held. A client that begins anew has given its other movie up.
   std::shared_ptr<Movie> movie_for(ClientId client, const FileMessage& asked) {
     if (!options_.ffmpeg)
       throw InputError("movies need ffmpeg, which was not in PATH when the server was started",
                        "take the pictures instead");
     if (asked.movie->index == 0) {
-      if (movie_ && !movie_->is_of(client) && !movie_->is_abandoned())
+      if (movie_ && movie_->client != client && !movie_->is_abandoned())
         throw InputError("somebody else's movie is being made", "try again when it is done");
       give_movie_up();
-      movie_.emplace(client, asked.id, std::make_shared<Movie>(*options_.ffmpeg, asked.movie->plan));
+      movie_ = {client, asked.id, std::make_shared<Movie>(*options_.ffmpeg, asked.movie->plan)};
     }
-    if (!movie_ || !movie_->is(client, asked.id))
-      throw InputError("there is no such movie", "begin with frame 0");
+    if (!is_turn_of(client, asked.id)) throw InputError("there is no such movie", "begin with frame 0");
     movie_->ask(*asked.movie);
-    return movie_->movie();
+    return movie_->movie;
   }
 
   /// The mutex is held. The folder, which may take long to remove, goes when the workers have let go of it.
   void give_movie_up() {
     if (!movie_) return;
-    std::shared_ptr<Movie> movie = movie_->movie();
+    std::shared_ptr<Movie> movie = movie_->movie;
     movie_.reset();
     movie->cancel();
     std::erase_if(files_, [&](const File& file) { return file.movie == movie; });
@@ -308,7 +305,7 @@ class Requests {
     }
     {
       const std::lock_guard lock(mutex_);
-      if (!movie_ || movie_->movie() != file.movie) return;
+      if (!movie_ || movie_->movie != file.movie) return;
       movie_->answer();
     }
     server_.send_text(

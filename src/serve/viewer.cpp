@@ -272,10 +272,7 @@ class PageViewer final : public Viewer {
   }
 
   void take(FrameResult&& result) {
-    if (requests_.renders(result.spec.frame)) {
-      requests_.take(std::move(result));
-      return;
-    }
+    if (requests_.take(result)) return;
     const std::lock_guard lock(mutex_);
     // unwanted() may have dropped it when it was already complete.
     if (!rendering_ || rendering_->frame != result.spec.frame) return;
