@@ -145,8 +145,6 @@ std::vector<std::pair<const char*, std::string>> rows_of(const VolumeNotes& note
   return rows;
 }
 
-std::string range_text(const VoxelBox& box, int k) { return fmt::format("{}:{}", box.first[k], box.end[k]); }
-
 /// What info has found in the part of the volume that is shown.
 struct Found {
   Grid whole, part;
@@ -165,8 +163,7 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   };
   row("volume", o.picture.volume.path);
   if (const auto clip = clip_box(o.picture.clip, whole))
-    row("clip", fmt::format("{},{},{} of {} x {} x {}", range_text(*clip, 0), range_text(*clip, 1),
-                            range_text(*clip, 2), whole.dims.x, whole.dims.y, whole.dims.z));
+    row("clip", fmt::format("{} of {} x {} x {}", text_of(*clip), whole.dims.x, whole.dims.y, whole.dims.z));
   row("shape", fmt::format("{} x {} x {}, {} voxels", grid.dims.x, grid.dims.y, grid.dims.z, grid.voxels()));
   row("type", fmt::format("{}, {} in all", to_string(grid.type), human_bytes(grid.bytes())));
   row("spacing", triple_text(grid.spacing, " x "));

@@ -16,11 +16,6 @@ struct Overloaded : F... {
   using F::operator()...;
 };
 
-ExitCode say(const std::string& text) {
-  write_text_output("-", text);
-  return ExitCode::done;
-}
-
 /// An outcome, and whether all ranks know it or only the one that failed.
 struct Ending {
   Outcome outcome;
@@ -38,16 +33,16 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
   });
   if (agreed.code != ExitCode::done) return {agreed, agreed.code == ExitCode::bad_input};
   const auto work = [&] {
-    return std::visit(
-        Overloaded{[&](const RenderOptions& o) { return run_render(o, launch); },
-                   [&](const ServeOptions& o) { return run_serve(o, launch); },
-                   [&](const PyramidOptions& o) { return run_pyramid(o, launch); },
-                   [](const Say& o) { return say(o.text); }, [](const InfoOptions& o) { return run_info(o); },
-                   [](const CompareOptions& o) { return run_compare(o); },
-                   [](const SynthOptions& o) { return run_synth(o); },
-                   [](const ReferenceOptions& o) { return run_reference(o); },
-                   [](const std::monostate&) { return ExitCode::bad_input; }},
-        line.command);
+    return std::visit(Overloaded{[&](const RenderOptions& o) { return run_render(o, launch); },
+                                 [&](const ServeOptions& o) { return run_serve(o, launch); },
+                                 [&](const PyramidOptions& o) { return run_pyramid(o, launch); },
+                                 [](const Say& o) { return write_text_output("-", o.text), ExitCode::done; },
+                                 [](const InfoOptions& o) { return run_info(o); },
+                                 [](const CompareOptions& o) { return run_compare(o); },
+                                 [](const SynthOptions& o) { return run_synth(o); },
+                                 [](const ReferenceOptions& o) { return run_reference(o); },
+                                 [](const std::monostate&) { return ExitCode::bad_input; }},
+                      line.command);
   };
   if (!std::holds_alternative<RenderOptions>(line.command) &&
       !std::holds_alternative<ServeOptions>(line.command) &&

@@ -5,7 +5,6 @@
 
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
-#include "app/views.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"

@@ -16,7 +16,6 @@
 #include "base/output_file.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "net/message.hpp"
-#include "options/option_values.hpp"
 #include "program/text_output.hpp"
 
 namespace ringsplat::app {
@@ -74,7 +73,6 @@ class StatsOutput {
       : job_(job),
         file_(job.options.stats),
         lines_(std::filesystem::path(file_).extension() == ".jsonl"),
-        as_table_(job.options.stats_as_table),
         items_(items_of(job.options.frame.how)),
         gps_(std::size_t(job.layout.gps)),
         renderers_(std::size_t(job.layout.renderers)) {}
@@ -83,14 +81,14 @@ class StatsOutput {
   /// file cannot be written.
   void add(const FrameResult& frame, const std::string& picture, const MeasuredError* error,
            const std::string& volume) {
-    if (as_table_) {
+    if (job_.options.stats_as_table) {
       ++frames_;
       for (std::size_t g = 0; g < frame.stats.gps.size(); ++g) gps_.at(g) += frame.stats.gps[g];
       for (std::size_t r = 0; r < frame.stats.renderers.size(); ++r)
         renderers_.at(r) += frame.stats.renderers[r];
       items_ = items_of(frame.spec.how);
     }
-    if (as_table_ || file_.empty()) return;
+    if (job_.options.stats_as_table || file_.empty()) return;
     json j = json::parse(to_json_text(frame.stats, job_.layout, settings_of(frame.spec, job_.channels).dump(),
                                       name(frame.axis)));
     if (!picture.empty()) j["file"] = picture;
@@ -109,7 +107,7 @@ class StatsOutput {
 
   void finish() {
     if (file_.empty()) return;
-    if (as_table_) return write_text_output(file_, table());
+    if (job_.options.stats_as_table) return write_text_output(file_, table());
     put(lines_ ? "\n" : begun_ ? "\n]\n" : "[\n\n]\n");
     if (output_)
       output_->commit();
@@ -157,9 +155,8 @@ class StatsOutput {
 
   const Job& job_;
   const std::string& file_;
-  const bool lines_;     ///< not an array
-  const bool as_table_;  ///< of sums, in place of JSON
-  const char* items_;    ///< what payloads hold
+  const bool lines_;   ///< not an array
+  const char* items_;  ///< what payloads hold
   int frames_ = 0;
   std::vector<NodeStats> gps_, renderers_;  ///< sums
   std::unique_ptr<OutputFile> output_;      ///< null before the first frame, or for stdout

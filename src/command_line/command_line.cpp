@@ -17,11 +17,6 @@ namespace {
 /// The former name of --bundle, which still works and is in no help.
 constexpr const char* former_bundle = "--slab";
 
-/// What --version prints. `mpi` names the library of the ranks; empty: there is none.
-std::string version_text(const std::string& mpi) {
-  return "ringsplat " RINGSPLAT_VERSION "\n" + (mpi.empty() ? "without MPI" : "with " + mpi);
-}
-
 /// TOML whose keys outside of any [section] are options of the subcommand on the command line.
 class SubcommandToml : public CLI::ConfigTOML {
  public:
@@ -120,7 +115,8 @@ void bind(CLI::App& app, const Option& option) {
 class Parser {
  public:
   explicit Parser(const std::string& mpi) {
-    program_.set_version_flag("--version", version_text(mpi));
+    program_.set_version_flag(
+        "--version", "ringsplat " RINGSPLAT_VERSION "\n" + (mpi.empty() ? "without MPI" : "with " + mpi));
     program_.formatter(help_formatter(""));
     program_.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", program_examples, exit_codes));
     program_.fallthrough();

@@ -99,11 +99,9 @@ struct ClipText {
     std::optional<double> first, end;
     bool distances = false;
     bool slice = false;  ///< the one voxel at `first`
-    bool operator==(const Part&) const = default;
   };
   std::string option;  ///< for messages
   std::array<Part, 3> parts;
-  bool operator==(const ClipText&) const = default;
 };
 
 /// Throws InputError that names the part that is no range.
