@@ -62,21 +62,15 @@ std::string to_text(const CompareOptions& o, const Comparison& c) {
   return text;
 }
 
-/// a − b per channel times `scale` (signed), alpha 1; absolute values when `absolute`. Both images have the
-/// same size.
-Image difference_image(const Image& a, const Image& b, double scale, bool absolute) {
-  Image out(a.width, a.height);
-  for (std::size_t at = 0; at < out.rgba.size(); ++at) {
-    const auto d = static_cast<float>(scale * (double(a.rgba[at]) - double(b.rgba[at])));
-    out.rgba[at] = at % 4 == 3 ? 1.0F : absolute ? std::abs(d) : d;
-  }
-  return out;
-}
-
+/// a − b per channel and scaled, alpha 1, of images of the same size.
 void write_difference(const CompareOptions& o, const Image& a, const Image& b) {
   const bool signed_values = std::filesystem::path(o.difference).extension() == ".exr";
+  Image picture(a.width, a.height);
+  for (std::size_t at = 0; at < picture.rgba.size(); ++at) {
+    const auto d = static_cast<float>(o.difference_scale * (double(a.rgba[at]) - double(b.rgba[at])));
+    picture.rgba[at] = at % 4 == 3 ? 1.0F : signed_values ? d : std::abs(d);
+  }
   // The difference is of the pictures' own values; an 8-bit file's transfer curve must not bend it.
-  Image picture = difference_image(a, b, o.difference_scale, !signed_values);
   if (!signed_values)
     picture =
         to_linear({.image = std::move(picture), .linear = false, .has_alpha = false, .settings = {}}).image;

@@ -265,14 +265,11 @@ void Live::show(std::int64_t step, double time) {
     const double begin = now_seconds();
     if (!std::exchange(committed, true)) s.session.commit();
     if (act != Act::draw) s.count();
-    if (act == Act::hold) {
-      s.hold(act);
-      continue;
-    }
-    if (act == Act::answer)
+    if (act == Act::hold || act == Act::answer)
       s.hold(act);
     else
       s.draw();
+    if (act == Act::hold) continue;
     s.debt += now_seconds() - begin;
     break;
   }

@@ -9,11 +9,6 @@
 namespace ringsplat::app {
 namespace {
 
-/// The quality whose settings the other options change: without --quality the engine's best known.
-Quality quality_of(const MethodOptions& o) {
-  return o.quality.value_or(o.engine == Engine::splats ? Quality::paper : usual_quality);
-}
-
 /// With plane and samples, which both methods have; a method on the screen has no samples.
 template <class How>
 How placed(How how, const MethodOptions& o) {
@@ -50,7 +45,8 @@ void add_method_options(OptionList& list, RenderOptions& o) {
 }
 
 Method method_for(const MethodOptions& o) {
-  const Quality quality = quality_of(o);
+  // The other options change its settings; without --quality those of the engine's best known.
+  const Quality quality = o.quality.value_or(o.engine == Engine::splats ? Quality::paper : usual_quality);
   if (quality == Quality::paper) return placed(o.splats, o);
   Sheets sheets = sheets_of(quality);
   sheets.slabs = o.slabs.value_or(sheets.slabs);

@@ -101,14 +101,11 @@ class Engines final : public Engine {
  private:
   Engine& engine_of(const Announcement& a) {
     const std::pair key(volume_of(a.body), method_of(a.body));
-    auto& engine = engines_[key];
-    if (!engine) engine = make(key.first, key.second);
-    return *engine;
-  }
-  std::unique_ptr<Engine> make(std::size_t volume, const std::string& method) const {
+    if (const auto made = engines_.find(key); made != engines_.end()) return *made->second;
     for (const MethodEngine& known : methods_)
-      if (method == known.method && volume < volumes_.size()) return known.make(volumes_[volume]);
-    throw RunError("there is no engine for " + method);
+      if (key.second == known.method && key.first < volumes_.size())
+        return *(engines_[key] = known.make(volumes_[key.first]));
+    throw RunError("there is no engine for " + key.second);
   }
 
   std::vector<EngineSetup> volumes_;

@@ -31,14 +31,6 @@ namespace {
 // twice as long (tests/session/bench_commit.cpp).
 constexpr std::size_t round_bytes = std::size_t{1} << 16;
 
-std::map<int, SliceStore> empty_slices(const Grid& grid, const Sharing& sharing) {
-  std::map<int, SliceStore> slices;
-  for (int gp = 0; gp < sharing.dealing.gps; ++gp)
-    if (sharing.hosts(gp))
-      slices.emplace(gp, SliceStore(grid, gp, sharing.dealing, {false, false, true}, false));
-  return slices;
-}
-
 bool contains(const std::vector<int>& all, const std::vector<int>& some) {
   return std::ranges::all_of(some, [&](int one) { return std::ranges::find(all, one) != all.end(); });
 }
@@ -143,8 +135,11 @@ struct Session::State {
       committed_grid.reset();
       slices.clear();
       try {
-        slices = empty_slices(*grid, sharing);
+        for (int gp = 0; gp < sharing.dealing.gps; ++gp)
+          if (sharing.hosts(gp))
+            slices.emplace(gp, SliceStore(*grid, gp, sharing.dealing, {false, false, true}, false));
       } catch (const std::bad_alloc&) {
+        slices.clear();
         error = "there is no memory for the volume's slices; hint: use more ranks on more machines";
       }
     }
