@@ -26,7 +26,6 @@ namespace {
 
 constexpr int json_bins = 64, shown_bins = 16;
 constexpr double shown_shares[] = {0, 0.001, 0.01, 0.25, 0.5, 0.75, 0.99, 0.999, 1};
-constexpr std::array<bool, 3> all_sets{true, true, true};
 
 ValueStatistics read_values(VolumeSource& source, Progress& progress) {
   const Grid& grid = source.grid();
@@ -72,7 +71,7 @@ std::array<std::uint64_t, std::size(memory_names)> memory_of(const Grid& grid, S
   const auto of_one = [&](bool normals) {
     return std::max({of({true}, normals), of({false, true}, normals), of({false, false, true}, normals)});
   };
-  return {of(all_sets, true), of(all_sets, false), of_one(true), of_one(false),
+  return {of({true, true, true}, true), of({true, true, true}, false), of_one(true), of_one(false),
           usual_kept_bytes(grid, dealing.gps)};
 }
 

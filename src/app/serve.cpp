@@ -137,8 +137,7 @@ std::unique_ptr<serve::PrivateFolder> open_in_browser(const std::string& url) {
     const std::filesystem::path file = folder->path() / "page.html";
     std::ofstream out(file);
     std::error_code ignored;
-    namespace fs = std::filesystem;
-    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write, ignored);
+    std::filesystem::permissions(file, std::filesystem::perms{0600}, ignored);
     out << fmt::format(
         "<!doctype html><meta charset=\"utf-8\"><title>Ringsplat</title>"
         "<meta http-equiv=\"refresh\" content=\"0; url={0}\"><a href=\"{0}\">Ringsplat</a>\n",
@@ -182,23 +181,6 @@ class Warnings {
   std::vector<std::string> early_;
   serve::Viewer* viewer_ = nullptr;
 };
-
-std::unique_ptr<serve::Viewer> start_viewer(const ServeOptions& options, const Job& job,
-                                            const VolumeNotes& notes, const Scene& scene, MadeFunction made,
-                                            Launch& launch) {
-  std::unique_ptr<serve::Viewer> viewer;
-  launch.check_on_rank_0([&] {
-    viewer = serve::make_viewer(viewer_options(options, job, notes, scene, std::move(made), launch));
-    if (options.address != "127.0.0.1" && options.address != "::1")
-      log_warning(
-          "--bind {}: everybody who can reach this machine and learns the token sees the volume, and what "
-          "is sent can be read on the way; a tunnel (ssh -L) is safer",
-          options.address);
-    fmt::print("{}\n", viewer->url());
-    std::fflush(stdout);
-  });
-  return viewer;
-}
 
 extern "C" void end_soon(int) { alarm(2); }
 
@@ -266,7 +248,16 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
     scene = {};
     scene = loader.load(0);
   }
-  viewer = start_viewer(options, job, notes, scene, std::move(made), launch);
+  launch.check_on_rank_0([&] {
+    viewer = serve::make_viewer(viewer_options(options, job, notes, scene, std::move(made), launch));
+    if (options.address != "127.0.0.1" && options.address != "::1")
+      log_warning(
+          "--bind {}: everybody who can reach this machine and learns the token sees the volume, and what "
+          "is sent can be read on the way; a tunnel (ssh -L) is safer",
+          options.address);
+    fmt::print("{}\n", viewer->url());
+    std::fflush(stdout);
+  });
   if (viewer) warnings.show_on(*viewer);
   const auto opened = viewer && options.open ? open_in_browser(viewer->url()) : nullptr;
   if (!viewer) leave_the_end_to_rank_0();

@@ -31,7 +31,10 @@ struct WebServer::Impl {
       : acceptor_(shared_.io), pause_(shared_.io), signals_(shared_.io) {
     shared_.events = std::move(events);
     bind(options);
-    shared_.access = {make_token(), hosts(options), options.allowed_origins};
+    std::vector<std::string> hosts{fmt::format("127.0.0.1:{}", port_), fmt::format("localhost:{}", port_),
+                                   fmt::format("[::1]:{}", port_), name_};
+    hosts.insert(hosts.end(), options.allowed_hosts.begin(), options.allowed_hosts.end());
+    shared_.access = {make_token(), std::move(hosts), options.allowed_origins};
     shared_.frame_ancestors = frame_ancestors(options.allowed_frames);
     accept();
     if (!options.takes_signals) return;
@@ -81,13 +84,6 @@ struct WebServer::Impl {
                                       : host_and_port(address_, port_);
   }
 
-  std::vector<std::string> hosts(const ServerOptions& options) const {
-    std::vector<std::string> all{fmt::format("127.0.0.1:{}", port_), fmt::format("localhost:{}", port_),
-                                 fmt::format("[::1]:{}", port_), name_};
-    all.insert(all.end(), options.allowed_hosts.begin(), options.allowed_hosts.end());
-    return all;
-  }
-
   void accept() {
     acceptor_.async_accept([this](error_code error, tcp::socket socket) {
       if (shared_.ending || error == asio::error::operation_aborted) return;
@@ -128,17 +124,6 @@ struct WebServer::Impl {
     });
   }
 
-  void run() {
-    while (true) {
-      try {
-        shared_.io.run();
-        return;
-      } catch (const std::exception& e) {
-        log_error("the viewer's server: {}", e.what());
-      }
-    }
-  }
-
   Shared shared_;
   std::string name_;
   asio::ip::address address_;
@@ -162,7 +147,16 @@ WebServer::~WebServer() {
 }
 
 void WebServer::start() {
-  impl_->thread_ = std::thread([this] { impl_->run(); });
+  impl_->thread_ = std::thread([&io = impl_->shared_.io] {
+    while (true) {
+      try {
+        io.run();
+        return;
+      } catch (const std::exception& e) {
+        log_error("the viewer's server: {}", e.what());
+      }
+    }
+  });
 }
 
 std::string WebServer::url() const {

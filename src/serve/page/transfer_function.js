@@ -35,8 +35,6 @@ export function addColours(gradient, tf, [low, high]) {
   return gradient;
 }
 
-const fewest = 2;
-
 /** `which`: 'opacities' or 'colours'. Gives the function and the index of the new point. */
 export function withPoint(tf, which, point) {
   const points = tf[which], next = points.findIndex((p) => p[0] > point[0]);
@@ -44,7 +42,8 @@ export function withPoint(tf, which, point) {
   return { tf: { ...tf, name: 'edited', [which]: points.toSpliced(index, 0, point) }, index };
 }
 
-export const canLose = (tf, which) => tf[which].length > fewest;
+/** Two points are the fewest. */
+export const canLose = (tf, which) => tf[which].length > 2;
 
 /** Puts a point elsewhere, but never past its neighbours. */
 export function withPointAt(tf, which, index, point) {
