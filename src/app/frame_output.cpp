@@ -35,13 +35,6 @@ std::string picture_settings(const FrameSpec& spec, const std::string& volume, b
 
 namespace {
 
-/// The mean opacity of the picture's pixels.
-double mean_opacity(const Image& image) {
-  double sum = 0;
-  for (std::size_t k = 3; k < image.rgba.size(); k += 4) sum += double(image.rgba[k]);
-  return image.rgba.empty() ? 0 : 4 * sum / double(image.rgba.size());
-}
-
 fs::path find_ffmpeg(const std::string& output) {
   const auto ffmpeg = find_program("ffmpeg");
   if (!ffmpeg)
@@ -103,7 +96,10 @@ std::string why_nearly_empty(const FrameResult& result) {
   // A useful picture has a tenth of all light stopped in the mean, and often more; a thousandth of that is
   // nearly nothing.
   constexpr double least_mean_opacity = 0.1 / 1000;
-  const double opacity = mean_opacity(result.image);
+  const auto& rgba = result.image.rgba;
+  double sum = 0;
+  for (std::size_t k = 3; k < rgba.size(); k += 4) sum += double(rgba[k]);
+  const double opacity = rgba.empty() ? 0 : 4 * sum / double(rgba.size());  // in the mean
   if (result.stats.total().splats_drawn == 0 || opacity >= least_mean_opacity) return {};
   return fmt::format(
       "the picture is nearly empty: its pixels stop {:.2g} of the light in the mean; hint: try --opacity {}, "

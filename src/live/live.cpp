@@ -6,12 +6,12 @@
 #include <mutex>
 #include <utility>
 
-#include "base/archive.hpp"
 #include "base/clock.hpp"
 #include "base/srgb.hpp"
 #include "classify/auto_preset.hpp"
 #include "frame/quality.hpp"
 #include "net/agree.hpp"
+#include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/viewer.hpp"
 
@@ -182,8 +182,7 @@ struct Live::State {
     if (told_by_0.empty()) return Act::go_on;
     Act act = Act::go_on;
     std::vector<double> values;
-    FromBytes archive(told_by_0);
-    archive(act, values);
+    read_block(told_by_0, "what to do next", act, values);
     if (values.size() != offered.size())
       SessionParts::note_problem(
           session, fmt::format("rank {} offers {} parameters, rank 0 {}; hint: all ranks offer the same",
