@@ -238,7 +238,7 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
   Scene scene = loader.load_channels(0);
   MadeFunction made;
   launch.check_on_rank_0([&] {
-    made = job.channels.empty() ? job.transfer_function->make(scene.values)
+    made = job.channels.empty() ? job.transfer_function->make(scene.values, scene.grid)
                                 : make_function(job.channels.front(), job.options, scene.values, scene.grid);
   });
   if (job.channels.empty() && launch.of_rank_0(made.interpolation == Interpolation::nearest) &&

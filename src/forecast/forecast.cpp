@@ -65,7 +65,7 @@ TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice
   const Pass pass = [&](const RowVisitor& visit) {
     for (const Section& section : sections) visit(section, grid.dims.x);
   };
-  return choice.make(describe_values({grid.type, notes.fill}, grid.dims, notes, pass)).function;
+  return choice.make(describe_values({grid.type, notes.fill}, grid.dims, notes, pass), grid).function;
 }
 
 std::vector<Camera> some_views(const std::vector<Camera>& cameras) {

@@ -218,6 +218,12 @@ def probes(options, server):
     client.send({"type": "probe", "id": 3, "x": 100, "y": 100})
     behind = client.text("probe")
     expect(behind["hit"] and behind["voxel"][1] < dims[1] // 2 < found["voxel"][1], "the clip box does not count")
+    client.view(width=200, height=200, clip_planes=[[0, 1, 0, 0]])
+    client.picture(seq=client.seq, at_rest=1)
+    client.send({"type": "probe", "id": 6, "x": 100, "y": 100})
+    expect(client.text("probe")["voxel"][1] < dims[1] / 2 + 1, "clip planes do not count")
+    client.view(width=200, height=200)
+    client.picture(seq=client.seq, at_rest=1)
     client.send({"type": "probe", "id": 4, "x": 1, "y": 1})
     expect(not client.text("probe")["hit"], "there is nothing in the corner")
     client.send({"type": "probe", "id": 5, "x": 300, "y": 1})
@@ -248,6 +254,12 @@ def same_as_program(options, server):
     for name, limit in (("seen.jpg", 255 * 10 ** (-45 / 20)), ("snapshot.png", 0)):
         subprocess.run([options.program, "compare", files[name], files["program.png"], "--fail-above", str(limit)],
                        check=True, stdout=subprocess.DEVNULL)
+
+
+def sums(options, server):
+    """The first function of --mode sum is over the lengths of the volume's rays."""
+    hello = server.client().hello
+    expect(hello["state"]["mode"] == "sum" and hello["state"]["transfer_function"] == hello["modes"]["sum"], hello["state"])
 
 
 def make_labels(options):
@@ -382,7 +394,7 @@ CASES = {"page": (page,), "packed_page": (packed_page,), "strangers": (strangers
          "opens": (opens, "--open", "XDG_RUNTIME_DIR={scratch}/own", "PATH={scratch}/bin:/usr/bin:/bin"),
          "bad_messages": (bad_messages,), "crowd": (crowd,), "acknowledgement": (acknowledgement,),
          "slow_reader": (slow_reader,), "flood": (flood,), "quick_views": (quick_views,), "watchers": (watchers,), "probes": (probes,),
-         "same_as_program": (same_as_program,), "labels": (labels,), "hounsfield": (hounsfield,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
+         "same_as_program": (same_as_program,), "labels": (labels,), "hounsfield": (hounsfield,), "sums": (sums, "--mode", "sum"), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
          "errors_have_numbers": (errors_have_numbers,), "returning": (returning,), "movies": (movies, "TMPDIR={scratch}"),
          "movie_failures": (movie_failures, "TMPDIR={scratch}", "PATH={scratch}/bin"),
          "series": (series, *SERIES), "series_quickly": (series_quickly, *SERIES),
