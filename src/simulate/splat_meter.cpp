@@ -112,7 +112,7 @@ class SplatMeter {
     BlockGroup group;
     for (std::size_t at = 0; take(body, at, group); at += group.voxels * voxel_bytes)
       for (std::uint32_t k = 0; k < group.blocks; ++k) {
-        VoxelBlock block;
+        VoxelRun block;
         if (!take(body, at, block)) return;
         dda_.begin_row(slice_, int(block.row));
         for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1) {

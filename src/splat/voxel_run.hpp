@@ -10,12 +10,12 @@ namespace ringsplat {
 
 /// The visible voxels among 64 neighbouring columns of a slice's row. Every rank knows the view, from which
 /// their positions follow, so only a bit for each voxel, its colour and its opacity travel.
-struct VoxelBlock {
+struct VoxelRun {
   std::uint32_t row, first;  ///< first: column, a multiple of 64
   std::uint64_t mask;        ///< bit i: the voxel of column first + i; never 0
 };
 
-/// Heads one region's voxels of a slice: `blocks` VoxelBlock, then `voxels` colours.
+/// Heads one region's voxels of a slice: `blocks` VoxelRun, then `voxels` colours.
 struct BlockGroup {
   std::int32_t region;
   std::uint32_t blocks, voxels;
@@ -35,9 +35,9 @@ struct ByteVoxel {  ///< 255 = 1
   std::uint8_t rgba[4];
 };
 
-/// A region's blocks as they travel: VoxelBlocks at any alignment, and the voxels of all blocks in order.
+/// A region's blocks as they travel: VoxelRuns at any alignment, and the voxels of all blocks in order.
 template <class Voxel>
-struct VoxelBlocks {
+struct VoxelRuns {
   const std::byte* blocks;
   std::uint32_t count;
   const Voxel* voxels;

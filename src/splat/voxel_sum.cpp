@@ -76,7 +76,7 @@ void place_row(const AlignedSlice& slice, const VoxelRows& to, std::int64_t x, s
 }  // namespace
 
 template <class Voxel>
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<Voxel>& blocks,
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelRuns<Voxel>& blocks,
                          std::uint64_t most) {
   // Windows that meet the region have their anchor at most reach + 1 before it, or reach behind it.
   const std::int64_t least_x = -slice.reach_x - 1, most_x = to.buffer.width + slice.reach_x - 1,
@@ -84,7 +84,7 @@ DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBl
   DrawnBlocks placed;
   std::uint64_t seen = 0;
   while (placed.blocks < blocks.count && seen < most) {
-    VoxelBlock block;
+    VoxelRun block;
     std::memcpy(&block, blocks.blocks + placed.blocks * sizeof block, sizeof block);
     ++placed.blocks;
     const Voxel* voxels = blocks.voxels + seen;
@@ -104,11 +104,11 @@ DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBl
   return placed;
 }
 
-template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelBlocks<FloatVoxel>&,
+template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelRuns<FloatVoxel>&,
                                   std::uint64_t);
-template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelBlocks<HalfVoxel>&,
+template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelRuns<HalfVoxel>&,
                                   std::uint64_t);
-template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelBlocks<ByteVoxel>&,
+template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelRuns<ByteVoxel>&,
                                   std::uint64_t);
 
 VoxelSum::VoxelSum(AlignedFrame frame, const PixelRect& largest) : frame_(std::move(frame)) {

@@ -35,7 +35,7 @@ struct DrawnBlocks {
 /// bits. Colours and opacities, times opacity_weight, have the bits that SplatSum adds for a splat. A voxel
 /// whose opacity no footprint can give becomes 0. Stops after `most` voxels or the block in which they end.
 template <class Voxel>
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<Voxel>& blocks,
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelRuns<Voxel>& blocks,
                          std::uint64_t most);
 
 /// A region's composited pixels.
@@ -72,7 +72,7 @@ class VoxelSum {
   /// Takes voxels of the slice, in any order but each only once. Stops after `most` voxels or the block in
   /// which they end.
   template <class Voxel>
-  DrawnBlocks draw(const VoxelBlocks<Voxel>& blocks, std::uint64_t most) {
+  DrawnBlocks draw(const VoxelRuns<Voxel>& blocks, std::uint64_t most) {
     rows_.x = slice_.anchor_x - image_->rect().x0;
     rows_.y = slice_.anchor_y - image_->rect().y0;
     const DrawnBlocks drawn = place_voxels(slice_, rows_, blocks, most);

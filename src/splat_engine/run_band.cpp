@@ -30,7 +30,7 @@ class RunBand final : public RowBand {
   template <class T>
   using Buffer = std::vector<T, UninitialisedAllocator<T>>;
   struct Part {
-    Buffer<VoxelBlock> blocks;
+    Buffer<VoxelRun> blocks;
     Buffer<Voxel> voxels;
   };
 

@@ -53,7 +53,7 @@ class RunCursor : public PayloadReader {
     block_ = {};
     BlockGroup group;
     blocks_left_ = take(body_, at_, group) ? group.blocks : 0;
-    voxel_at_ = at_ + blocks_left_ * sizeof(VoxelBlock);
+    voxel_at_ = at_ + blocks_left_ * sizeof(VoxelRun);
   }
 
   /// Goes to the next block when the last one has no voxels left. Returns false at the part's end.
@@ -65,13 +65,13 @@ class RunCursor : public PayloadReader {
   }
 
   /// The part's blocks that find() has not reached.
-  VoxelBlocks<Voxel> blocks_left() const {
+  VoxelRuns<Voxel> blocks_left() const {
     return {body_.data() + at_, blocks_left_, reinterpret_cast<const Voxel*>(body_.data() + voxel_at_)};
   }
   /// Skips `blocks` blocks that have `voxels` voxels in all.
   void skip_blocks(std::uint32_t blocks, std::uint64_t voxels) {
     blocks_left_ -= blocks;
-    at_ += blocks * sizeof(VoxelBlock);
+    at_ += blocks * sizeof(VoxelRun);
     voxel_at_ += std::size_t(voxels) * sizeof(Voxel);
   }
 
@@ -89,10 +89,10 @@ class RunCursor : public PayloadReader {
  private:
   /// Moves `at` behind the group. Returns false when the group is not whole or a block leaves the slice.
   bool check_blocks(const BlockGroup& group, std::span<const std::byte> body, std::size_t& at) const {
-    if (group.blocks == 0 || (body.size() - at) / sizeof(VoxelBlock) < group.blocks) return false;
+    if (group.blocks == 0 || (body.size() - at) / sizeof(VoxelRun) < group.blocks) return false;
     std::uint64_t voxels = 0;
     for (std::uint32_t k = 0; k < group.blocks; ++k) {
-      VoxelBlock block;
+      VoxelRun block;
       if (!take(body, at, block) || block.row >= height_ || block.first >= width_ || block.first % 64 != 0 ||
           block.mask == 0)
         return false;
@@ -109,7 +109,7 @@ class RunCursor : public PayloadReader {
   std::span<const std::byte> body_;    ///< of the part
   std::size_t at_ = 0, voxel_at_ = 0;  ///< byte offsets of the next block and the next voxel
   std::uint32_t blocks_left_ = 0;
-  VoxelBlock block_{};
+  VoxelRun block_{};
 };
 
 /// Draws runs without placing each voxel: all voxels of a slice lie at whole-pixel steps.

@@ -81,7 +81,7 @@ FloatVoxel packed(const VoxelColour& voxel) {
 
 /// The runs' voxels by row and 64 columns, as payloads have them.
 struct Block {
-  VoxelBlock where;
+  VoxelRun where;
   std::vector<FloatVoxel> voxels;
 };
 std::vector<Block> to_blocks(const std::vector<Row>& runs) {
@@ -106,7 +106,7 @@ Painted paint_rows(const FrameKernel& kernel, const ViewTransform& view, const s
   DrawCounts counts;
   for (const Block& block : to_blocks(runs)) {
     const auto* where = reinterpret_cast<const std::byte*>(&block.where);
-    add(counts, sum.draw(VoxelBlocks{where, 1, block.voxels.data()}, 1).counts);
+    add(counts, sum.draw(VoxelRuns{where, 1, block.voxels.data()}, 1).counts);
   }
   sum.composite(glm::dvec2(0.0));
   return {tile_of(image, width, height), counts};
@@ -220,7 +220,7 @@ TEST_CASE("rows of voxels go from region to region") {
     sum.begin(image);
     for (const Block& block : blocks) {
       const auto* where = reinterpret_cast<const std::byte*>(&block.where);
-      sum.draw(VoxelBlocks{where, 1, block.voxels.data()}, 1);
+      sum.draw(VoxelRuns{where, 1, block.voxels.data()}, 1);
     }
   };
   const auto paint_second = [&](bool after_first) {
@@ -254,7 +254,7 @@ TEST_CASE("voxels that reach no pixel of a region leave it untouched, and its sl
   RegionImage corner({x, y, x + width, y + height});
   sum.begin(corner);
   const auto* where = reinterpret_cast<const std::byte*>(&voxels[0].where);
-  CHECK(sum.draw(VoxelBlocks{where, 1, voxels[0].voxels.data()}, 1).counts.clipped == 1);
+  CHECK(sum.draw(VoxelRuns{where, 1, voxels[0].voxels.data()}, 1).counts.clipped == 1);
   sum.composite(glm::dvec2(0.0));
   CHECK_FALSE(corner.touched());
   sum.begin(corner);

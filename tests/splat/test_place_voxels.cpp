@@ -61,10 +61,10 @@ struct OneRow {
 
 template <class Voxel>
 DrawnBlocks place_block(std::uint64_t mask, const std::vector<Voxel>& voxels, int step, OneRow& row) {
-  const VoxelBlock block{0, 0, mask};
+  const VoxelRun block{0, 0, mask};
   VoxelRows to = row.places();
   return place_voxels(slice_of(step), to,
-                      VoxelBlocks<Voxel>{reinterpret_cast<const std::byte*>(&block), 1, voxels.data()}, 1000);
+                      VoxelRuns<Voxel>{reinterpret_cast<const std::byte*>(&block), 1, voxels.data()}, 1000);
 }
 
 bool is_set(const OneRow& row, int pixel) {
@@ -125,13 +125,13 @@ TEST_CASE("a voxel whose opacity no footprint gives goes to its place as nothing
 TEST_CASE("placing stops behind the block that has the last voxel asked for") {
   std::mt19937 random(7);
   const auto voxels = random_voxels<FloatVoxel>(12, random);
-  const std::array<VoxelBlock, 3> blocks{{{0, 0, 0xF}, {0, 64, 0xF}, {0, 128, 0xF}}};
+  const std::array<VoxelRun, 3> blocks{{{0, 0, 0xF}, {0, 64, 0xF}, {0, 128, 0xF}}};
   for (const auto& [most, expected] : {std::pair{1, 1}, std::pair{4, 1}, std::pair{5, 2}, std::pair{99, 3}}) {
     OneRow row;
     VoxelRows to = row.places();
     const DrawnBlocks placed = place_voxels(
         slice_of(1), to,
-        VoxelBlocks<FloatVoxel>{reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
+        VoxelRuns<FloatVoxel>{reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
         std::uint64_t(most));
     CHECK(placed.blocks == std::uint32_t(expected));
     CHECK(placed.counts.drawn + placed.counts.clipped == 4 * std::uint64_t(expected));

@@ -95,7 +95,7 @@ std::set<std::size_t> run_groups(const Bytes& body) {
   while (offset < body.size()) {
     begins.insert(offset);
     const auto group = at<BlockGroup>(body, offset);
-    offset += sizeof group + group.blocks * sizeof(VoxelBlock) + group.voxels * sizeof(FloatVoxel);
+    offset += sizeof group + group.blocks * sizeof(VoxelRun) + group.voxels * sizeof(FloatVoxel);
   }
   begins.insert(offset);
   return begins;
@@ -151,23 +151,23 @@ TEST_CASE("runs that do not lie in the slice or are not as many as they say are 
     if (begin == sent.body.size()) continue;
     const auto blocks = at<BlockGroup>(sent.body, begin).blocks;
     for (std::uint32_t k = 0; k < blocks; ++k) {
-      const std::size_t offset = begin + sizeof(BlockGroup) + k * sizeof(VoxelBlock);
-      (at<VoxelBlock>(sent.body, offset).first == 0 ? first : last) = offset;
+      const std::size_t offset = begin + sizeof(BlockGroup) + k * sizeof(VoxelRun);
+      (at<VoxelRun>(sent.body, offset).first == 0 ? first : last) = offset;
     }
   }
   REQUIRE(first > 0);
   REQUIRE(last > 0);
   for (const std::size_t block : {first, last}) {
-    CHECK_FALSE(sent.accepts_with(block + offsetof(VoxelBlock, row), 20U));
+    CHECK_FALSE(sent.accepts_with(block + offsetof(VoxelRun, row), 20U));
     for (const std::uint32_t column : {3U, 63U, 65U, 70U, 128U})
-      CHECK_FALSE(sent.accepts_with(block + offsetof(VoxelBlock, first), column));
-    const auto mask = at<VoxelBlock>(sent.body, block).mask;
-    CHECK_FALSE(sent.accepts_with(block + offsetof(VoxelBlock, mask), std::uint64_t{0}));
-    CHECK_FALSE(sent.accepts_with(block + offsetof(VoxelBlock, mask), mask & (mask - 1)));
+      CHECK_FALSE(sent.accepts_with(block + offsetof(VoxelRun, first), column));
+    const auto mask = at<VoxelRun>(sent.body, block).mask;
+    CHECK_FALSE(sent.accepts_with(block + offsetof(VoxelRun, mask), std::uint64_t{0}));
+    CHECK_FALSE(sent.accepts_with(block + offsetof(VoxelRun, mask), mask & (mask - 1)));
   }
   // The same number of voxels, but one in column 70.
-  const auto mask = at<VoxelBlock>(sent.body, last).mask;
-  CHECK_FALSE(sent.accepts_with(last + offsetof(VoxelBlock, mask), (mask & (mask - 1)) | 1U << 6));
+  const auto mask = at<VoxelRun>(sent.body, last).mask;
+  CHECK_FALSE(sent.accepts_with(last + offsetof(VoxelRun, mask), (mask & (mask - 1)) | 1U << 6));
 }
 
 TEST_CASE("words that are not as many as they say or for another Renderer are refused") {
