@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <mutex>
 #include <utility>
 
@@ -88,6 +89,13 @@ struct Live::State {
     viewer = std::move(made);
   }
 
+  void offer(RunState::Parameter parameter, double& value) {
+    const std::lock_guard lock(telling);
+    offered.push_back(&value);
+    run.parameters.push_back(std::move(parameter));
+    set_by_page.push_back(false);
+  }
+
   // On rank 0.
 
   /// Tells pages how far it is; by any thread.
@@ -109,6 +117,8 @@ struct Live::State {
     if (found == run.parameters.end()) throw InputError(fmt::format("the simulation offers no {}", name));
     if (!(value >= found->low && value <= found->high))
       throw InputError(fmt::format("{} must be from {:g} to {:g}", name, found->low, found->high));
+    if (!found->choices.empty() && value != std::floor(value))
+      throw InputError(fmt::format("{} must be a whole number", name));
     found->value = value;
     set_by_page[std::size_t(found - run.parameters.begin())] = true;
   }
@@ -247,11 +257,11 @@ Live::~Live() = default;
 const std::string& Live::url() const { return state_->url; }
 
 void Live::offer(const std::string& name, double& value, double low, double high) {
-  State& s = *state_;
-  const std::lock_guard lock(s.telling);
-  s.offered.push_back(&value);
-  s.run.parameters.push_back({name, value, low, high});
-  s.set_by_page.push_back(false);
+  state_->offer({name, value, low, high}, value);
+}
+
+void Live::offer(const std::string& name, double& value, const std::vector<std::string>& choices) {
+  state_->offer({name, value, 0, double(choices.size()) - 1, choices}, value);
 }
 
 void Live::show(std::int64_t step, double time) {

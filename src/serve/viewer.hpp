@@ -74,6 +74,7 @@ struct RunState {
   struct Parameter {
     std::string name;
     double value, low, high;
+    std::vector<std::string> choices = {};  ///< what whole values mean; of numbers empty
   };
   std::int64_t step = 0;
   double time = 0;  ///< the simulation's own

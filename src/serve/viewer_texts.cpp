@@ -8,7 +8,7 @@
 namespace ringsplat::serve {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Label, value, name)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunState::Parameter, name, value, low, high)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunState::Parameter, name, value, low, high, choices)
 
 namespace {
 

@@ -97,9 +97,14 @@ std::string BlockSession::serve(const std::vector<std::string>& words, LiveOptio
   return live_->url();
 }
 
-void BlockSession::offer(const std::string& name, double value, double low, double high) {
+void BlockSession::offer(const std::string& name, double value, double low, double high,
+                         const std::vector<std::string>& choices) {
   Live& shown = live();
-  shown.offer(name, offered_.emplace_back(name, value).second, low, high);
+  double& kept = offered_.emplace_back(name, value).second;
+  if (choices.empty())
+    shown.offer(name, kept, low, high);
+  else
+    shown.offer(name, kept, choices);
 }
 
 std::vector<std::pair<std::string, double>> BlockSession::show(std::int64_t step, double time) {

@@ -74,8 +74,9 @@ class BlockSession {
   std::string serve(const std::vector<std::string>& words, LiveOptions options);
   /// What is served. Throws InputError when nothing is.
   Live& live();
-  /// A number that pages may change, kept here.
-  void offer(const std::string& name, double value, double low, double high);
+  /// A number that pages may change, or the number of one of `choices`, kept here.
+  void offer(const std::string& name, double value, double low, double high,
+             const std::vector<std::string>& choices);
   /// As Live::show(). Returns the numbers that are offered, by name.
   std::vector<std::pair<std::string, double>> show(std::int64_t step, double time);
 

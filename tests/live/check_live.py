@@ -87,7 +87,7 @@ def steered(options):
     expect(run(client)["step"] == step, "it went on while it was held")
     before = highest(client, step)
     steer(client, "set", parameter="heating", value=0)
-    expect(run(client)["parameters"] == [{"name": "heating", "value": 0, "low": 0, "high": 10}], "another value")
+    expect(run(client)["parameters"] == [{"name": "heating", "value": 0, "low": 0, "high": 10, "choices": []}], "another value")
     step = one_step(client, step)
     cooled = highest(client, step)
     expect(cooled < before, f"not heated, but {before} became {cooled}")

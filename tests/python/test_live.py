@@ -50,6 +50,7 @@ def test_a_page_sees_each_step_and_changes_what_is_offered():
     volume = blob(SHAPE, "float32")
     session, url = served(volume, tf="grey", name="wave", share=0.5)
     session.offer("gain", 1.0, 0.0, 4.0)
+    session.offer("field", 0, choices=["wave", "speed"])
     seen = {}
 
     def look():
@@ -58,7 +59,12 @@ def test_a_page_sees_each_step_and_changes_what_is_offered():
         assert client.hello["state"]["transfer_function"]["name"] == "grey"
         client.picture(seq=client.view(width=64, height=64))
         seen["held"] = held_run(client, 66)["step"]
+        offered = held_run(client, 67)["parameters"]
+        assert [one["choices"] for one in offered] == [[], ["wave", "speed"]]
         client.send({"type": "steer", "act": "set", "parameter": "gain", "value": 3})
+        client.send({"type": "steer", "act": "set", "parameter": "field", "value": 0.5})
+        assert "whole number" in client.text("error")["message"]
+        client.send({"type": "steer", "act": "set", "parameter": "field", "value": 1})
         client.send({"type": "steer", "act": "step"})
         run_of(client, step=seen["held"] + 1, paused=True)
         seen["high"] = held_run(client, 68)["histogram"]["high"]
@@ -69,11 +75,12 @@ def test_a_page_sees_each_step_and_changes_what_is_offered():
     thread.start()
     gains, start = [], volume.copy()
     while "high" not in seen and thread.is_alive():
-        gains.append(session.show(len(gains), 0.5 * len(gains))["gain"])
+        numbers = session.show(len(gains), 0.5 * len(gains))
+        gains.append(numbers["gain"])
         np.multiply(start, gains[-1], out=volume)
     session.close()
     thread.join(20)
-    assert set(gains) == {1.0, 3.0}
+    assert set(gains) == {1.0, 3.0} and numbers["field"] == 1
     assert seen["high"] == pytest.approx(3 * start.max(), rel=1e-6)
     assert "ended" in seen["end"]
 

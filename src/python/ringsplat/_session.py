@@ -276,10 +276,13 @@ class Session:
             return cast(str, self._open().serve(words, name, address, port, share, *lists))
 
     @_by_itself
-    def offer(self, name: str, value: float, low: float, high: float) -> None:
-        """Lets pages change a number between `low` and `high`; show() tells what it is. All ranks offer the same in the
+    def offer(
+        self, name: str, value: float, low: float = 0.0, high: float = 1.0, *, choices: Sequence[str] = ()
+    ) -> None:
+        """Lets pages change a number between `low` and `high`, or choose one of `choices`, such as the field whose array
+        update_block() is given; show() tells what it is, of choices the number, from 0. All ranks offer the same in the
         same order, after serve()."""
-        self._open().offer(name, float(value), float(low), float(high))
+        self._open().offer(name, float(value), float(low), float(high), [str(one) for one in choices])
 
     def act(self, file: "str | os.PathLike[str]", step: int) -> None:
         """Draws the pictures that a TOML file asks for after a step, of the blocks as they are now. The file is read at

@@ -191,6 +191,7 @@ class App {
 
   ended(message) {
     this.connection.failAll('the job has ended');
+    this.runs.stopRecording();
     showEnd(message, () => this.connection.reopen());
   }
 

@@ -1,18 +1,23 @@
 // A simulation that is shown while it runs: how far it is, holding it, and the numbers that it offers.
 
-import { byId, element, onNumber, show } from './dom.js';
+import { byId, download, element, fileStem, onNumber, show } from './dom.js';
+import { showError } from './status.js';
 import { spread } from './transfer_function.js';
+import { mostMembers, zip } from './zip.js';
 
 export class RunPanel {
   constructor(app) {
     this.app = app;
     this.run = null;
+    this.recording = false;
     byId('run-pause').addEventListener('click', () => this.toggle());
     byId('run-step').addEventListener('click', () => this.steer('step'));
     byId('run-fit').addEventListener('click', () => this.fit());
+    byId('run-record').addEventListener('click', () => this.record());
   }
 
   begin() {
+    this.stopRecording();
     this.run = null;
     byId('run').hidden = true;
   }
@@ -43,20 +48,62 @@ export class RunPanel {
     byId('run-pause').textContent = run.paused ? 'Go on' : 'Hold';
     if (known !== run.parameters.map(({ name }) => name).join()) this.list(run.parameters);
     for (const { name, value } of run.parameters) this.put(name, value);
+    this.look?.();
   }
 
   list(parameters) {
-    this.fields = new Map(parameters.map(({ name, low, high }) =>
-      [name, element('input', { type: 'number', step: 'any', min: low, max: high, title: `${low} to ${high}` })]));
-    byId('run-parameters').replaceChildren(...[...this.fields].map(([name, field]) => {
-      const back = () => this.put(name, this.run.parameters.find((one) => one.name === name).value);
-      onNumber(field, (value) => this.steer('set', { parameter: name, value }), back);
-      return element('label', {}, name, field);
-    }));
+    this.fields = new Map(parameters.map((one) => [one.name, this.makeField(one)]));
+    byId('run-parameters').replaceChildren(...[...this.fields].map(([name, field]) => element('label', {}, name, field)));
+  }
+
+  /** Of a number, or of one of several choices. */
+  makeField({ name, low, high, choices }) {
+    const set = (value) => this.steer('set', { parameter: name, value });
+    if (choices.length)
+      return element('select', { onchange: ({ target }) => set(Number(target.value)) },
+                     ...choices.map((words, value) => element('option', { value: String(value) }, words)));
+    const field = element('input', { type: 'number', step: 'any', min: low, max: high, title: `${low} to ${high}` });
+    onNumber(field, set, () => this.put(name, this.run.parameters.find((one) => one.name === name).value));
+    return field;
   }
   put(name, value) {
     const field = this.fields.get(name);
     if (field !== document.activeElement) field.value = show(value, 6);
+  }
+
+  /** Holds the simulation and lets it take one step after another: a picture of each, in a ZIP, until it is stopped. */
+  async record() {
+    if (this.recording) return void this.stopRecording();
+    const { app } = this, stem = fileStem(app.volume.name), members = [];
+    this.recording = true;
+    this.steer('pause');
+    try {
+      for (let last = null; await this.until((run) => run.paused && run.step !== last); this.steer('step')) {
+        last = this.run.step;
+        const { width, height } = app.stage.canvas;
+        const { blob } = await app.connection.ask({ type: 'snapshot', width, height, format: 'png', state: app.scene.state });
+        members.push({ name: `${stem}-${String(last).padStart(6, '0')}.png`, bytes: new Uint8Array(await blob.arrayBuffer()) });
+        byId('run-record').textContent = `Stop (${members.length})`;
+        if (members.length === mostMembers) break;
+      }
+    } catch (error) {
+      showError(`Recording ended: ${error.message}`);
+    }
+    this.stopRecording();
+    this.steer('resume');
+    byId('run-record').textContent = 'Record';
+    if (members.length) download(`${stem}-steps.zip`, zip(members));
+  }
+  /** Whether what is told of the simulation became as `condition` wants, before recording was stopped. */
+  until(condition) {
+    return new Promise((resolve) => {
+      this.look = () => (!this.recording || condition(this.run)) && resolve(this.recording);
+      this.look();
+    });
+  }
+  stopRecording() {
+    this.recording = false;
+    this.look?.();
   }
 
   /** Spreads the transfer function over the values that there are now. */

@@ -1,0 +1,57 @@
+"""A simulation's panel in headless Chromium: examples/heat's heat_live is held, takes a step, a number, and is recorded."""
+import argparse, os, re, sys, tempfile, zipfile
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+sys.path.insert(0, os.path.join(HERE, "..", "serve"))
+import viewer_client as vc
+from server_case import expect
+
+SKIPPED = 77  # CTest's SKIP_RETURN_CODE
+try:
+    from viewer_page import Page, wait_for_file
+except ImportError:
+    sys.exit(SKIPPED)
+
+
+def words(page):
+    return page.js("return document.getElementById('run-words').textContent")
+
+
+def held_step(page):
+    page.wait("document.getElementById('run-words').textContent.includes('held')")
+    return int(re.match(r"step (\d+)", words(page)).group(1))
+
+
+def main():
+    arguments = argparse.ArgumentParser()
+    for name in ("--heat", "--mpiexec"):
+        arguments.add_argument(name)
+    options = arguments.parse_args()
+    folder = tempfile.mkdtemp()
+    server = vc.Server([options.mpiexec, "-n", "2", options.heat, "32", str(10 ** 9)], {"SHARE": "0.5"})
+    page = Page(folder=folder)
+    try:
+        page.show(server.url)
+        page.wait("ringsplat.driving && ringsplat.shown.length > 0")
+        page.click("run-pause")
+        step = held_step(page)
+        page.click("run-step")
+        page.wait(f"document.getElementById('run-words').textContent.startsWith('step {step + 1},')")
+        page.js("const f = document.querySelector('#run-parameters input'); f.value = 3; f.dispatchEvent(new Event('change'))")
+        page.click("run-step")
+        page.wait("app.runs.run.parameters[0].value === 3")
+        page.click("run-record")
+        page.wait("document.getElementById('run-record').textContent === 'Stop (3)'")
+        page.click("run-record")
+        with zipfile.ZipFile(wait_for_file(os.path.join(folder, "heat-steps.zip"))) as archive:
+            names = archive.namelist()
+            expect(all(archive.read(name).startswith(b"\x89PNG") for name in names), "no pictures")
+        steps = [int(re.fullmatch(r"heat-(\d{6})\.png", name).group(1)) for name in names]
+        expect(len(steps) >= 3 and steps == list(range(step + 2, step + 2 + len(steps))), f"{names} after step {step}")
+        page.wait("!app.runs.run.paused")
+    finally:
+        page.quit()
+        server.kill()
+
+
+main()
