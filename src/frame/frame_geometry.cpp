@@ -143,6 +143,12 @@ void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
 
 }  // namespace
 
+std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid) {
+  const double voxels = std::max(1e-3, 2e-6 * std::max({grid.dims.x, grid.dims.y, grid.dims.z})),
+               half = voxels * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  return {{plane.normal, plane.distance - half}, {-plane.normal, -plane.distance - half}};
+}
+
 bool needs_normals(const FrameSpec& spec) {
   return spec.shown.shading == Shading::phong && std::holds_alternative<Splats>(spec.how);
 }

@@ -45,6 +45,11 @@ struct FrameGeometry {
     return regions.owners(reached, renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
   }
 };
+
+/// Clip planes that leave of a volume what lies in another plane: within a thousandth of a voxel of it, or,
+/// of large volumes, as near as positions along rays are exact.
+std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid);
+
 /// What GPs must know of their slices to draw a frame: voxels' normals for lit splats; for sheets, ranges of
 /// what lies between voxels.
 bool needs_normals(const FrameSpec& spec);

@@ -356,16 +356,18 @@ std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string
                   option));
 }
 
+ClipPlane parse_clip_plane(std::string_view text, const std::string& option) {
+  const auto n = parse_numbers(text);
+  if (!n || n->size() != 4)
+    throw InputError(fmt::format("{} '{}' is no plane", option, printable(text)),
+                     "give NX,NY,NZ,D: a direction, and how far along it from the volume's middle the plane "
+                     "is; for instance 0,1,0,0");
+  return {{(*n)[0], (*n)[1], (*n)[2]}, (*n)[3]};
+}
+
 std::vector<ClipPlane> parse_clip_planes(const std::string& text, const std::string& option) {
   std::vector<ClipPlane> planes;
-  for (const auto part : split(text, ":")) {
-    const auto n = parse_numbers(part);
-    if (!n || n->size() != 4)
-      throw InputError(fmt::format("{} '{}' is no plane", option, printable(part)),
-                       "give NX,NY,NZ,D: a direction, and how far along it from the volume's middle the "
-                       "plane is; for instance 0,1,0,0");
-    planes.push_back({{(*n)[0], (*n)[1], (*n)[2]}, (*n)[3]});
-  }
+  for (const auto part : split(text, ":")) planes.push_back(parse_clip_plane(part, option));
   return planes;
 }
 

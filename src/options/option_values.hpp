@@ -113,7 +113,8 @@ std::function<VoxelBox(const Grid&)> parse_crop(const std::string& text, const s
 /// One slice, "x=40" or "z=12.5mm", and the axis that it lies across. Throws InputError.
 std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string& option);
 
-/// Clip planes, "nx,ny,nz,d" each, with colons between. Throws InputError.
+/// A clip plane, "nx,ny,nz,d"; or several with colons between. Throws InputError.
+ClipPlane parse_clip_plane(std::string_view text, const std::string& option);
 std::vector<ClipPlane> parse_clip_planes(const std::string& text, const std::string& option);
 
 /// The voxels that are meant, where there is a text. Throws InputError that names the part that has none or

@@ -138,7 +138,7 @@ void add_clip_options(OptionList& list, RenderOptions& o) {
          o.colour.mode = Mode::mip;
          o.oblique_slice = slice.starts_with(plane);
          if (o.oblique_slice)
-           o.frame.shown.clip_planes = parse_clip_planes(slice.substr(plane.size()), option);
+           o.frame.shown.clip_planes = {parse_clip_plane(slice.substr(plane.size()), option)};
          else
            std::tie(o.clip, o.slice) = parse_slice(slice, option);
        })},
@@ -334,29 +334,16 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
   };
 }
 
-namespace {
-
-/// Leaves of the volume what is as near to the plane as positions along rays are exact.
-void leave_slice(std::vector<ClipPlane>& planes, const Grid& grid) {
-  if (planes.size() != 1) throw InputError("--slice shows one plane", "give one, or cut by --clip-plane");
-  const double voxels = std::max(1e-3, 2e-6 * std::max({grid.dims.x, grid.dims.y, grid.dims.z})),
-               half = voxels * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
-  const auto [normal, distance] = planes.front();
-  planes = {{normal, distance - half}, {-normal, -distance - half}};
-}
-
-}  // namespace
-
 std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes) {
   Camera& camera = o.frame.shown.camera;
   if (o.side) stand_at(camera, *o.side, notes.world);
   const bool patient = notes.world == World::patient;
   if (o.slice || o.oblique_slice) {
-    const auto& planes = o.frame.shown.clip_planes;
+    auto& planes = o.frame.shown.clip_planes;
     const LatticeFrame lattice = lattice_frame(grid);
     const Camera facing = o.slice ? facing_slices(lattice, *o.slice, patient)
                                   : facing_plane(lattice, planes.front().normal, planes.front().distance);
-    if (o.oblique_slice) leave_slice(o.frame.shown.clip_planes, grid);
+    if (o.oblique_slice) planes = planes_of_slice(planes.front(), grid);
     camera.target = facing.target;
     camera.eye = facing.eye;
     camera.up = facing.up;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "base/text.hpp"
@@ -143,15 +144,29 @@ json parsed(std::string_view text) {
   return j;
 }
 
+/// Has the scene's camera see the whole volume, cut across the view at a lattice place.
+void cut_across_view(Shown& shown, const glm::dvec3& place, const Grid& grid) {
+  Camera& camera = shown.camera;
+  camera = {.azimuth = camera.azimuth, .elevation = camera.elevation, .roll = camera.roll};
+  const glm::dvec3 from_middle = grid.direction * (grid.spacing * (place - 0.5 * glm::dvec3(grid.dims - 1))),
+                   to_viewer = make_view(camera, lattice_frame(grid), 1, 1).to_viewer;
+  shown.clip_planes = planes_of_slice({to_viewer, glm::dot(to_viewer, from_middle)}, grid);
+}
+
 /// Has the scene show one slice of the whole volume and nothing else, opaque, from straight before it. `j`:
-/// axis and index.
+/// axis and index, or a voxel through which the slice goes across the view.
 void show_slice(Shown& shown, const json& j, const MessageRules& rules) {
-  list_from(j, "slice", 2, 2);
-  const auto axis = static_cast<int>(number_from(j[0], "the slice's axis", 0, 2));
-  const auto index = static_cast<int>(number_from(j[1], "the slice", 0, rules.grid.dims[axis] - 1));
-  shown.clip = slice_box(rules.grid, axis, index);
+  list_from(j, "slice", 2, 3);
+  shown.clip.reset();
   shown.clip_planes.clear();
-  shown.camera = facing_slices(lattice_frame(rules.grid), Axis(axis), rules.patient);
+  if (j.size() == 3) {
+    cut_across_view(shown, vector_from(j, "the slice's voxel", -0.5, 1e9), rules.grid);
+  } else {
+    const auto axis = static_cast<int>(number_from(j[0], "the slice's axis", 0, 2));
+    const auto index = static_cast<int>(number_from(j[1], "the slice", 0, rules.grid.dims[axis] - 1));
+    shown.clip = slice_box(rules.grid, axis, index);
+    shown.camera = facing_slices(lattice_frame(rules.grid), Axis(axis), rules.patient);
+  }
   shown.shading = Shading::none;
   const bool labels = shown.interpolation == Interpolation::nearest;
   shown.mode = labels ? Mode::composite : Mode::mip;

@@ -121,6 +121,24 @@ class Controls(WithPage):
         self.assertEqual(at(), [x, y, z + 1])
         self.page.js("arguments[0].dispatchEvent(new WheelEvent('wheel', { deltaY: 100, cancelable: true }))", panes[2])
         self.assertEqual(at(), [x + 1, y, z + 1])
+        # Across the view: a click right of the cross goes along the picture's right, a turn shows another slice.
+        self.page.click("show-oblique")
+        self.page.wait("ringsplat.slices.drawn && app.slices.panes[3].bitmap")
+        self.assertTrue(self.page.js("return arguments[0].hidden", panes[2]))
+        self.page.press("1")  # +x is right
+        self.page.js("app.slices.goTo([24, 24, 24])")
+        cross = self.page.js("return app.slices.panes[3].cross()")
+        width, height = self.page.js("return [arguments[0].clientWidth, arguments[0].clientHeight]", panes[3])
+        ActionChains(self.page.driver).move_to_element_with_offset(
+            panes[3], round(cross[0] - width / 2 + 30), round(cross[1] - height / 2 - 20)).click().perform()
+        self.assertGreater(at()[0], 25)
+        self.assertEqual(at()[1], 24)
+        self.assertGreater(at()[2], 24)
+        self.page.js("arguments[0].focus()", panes[3])
+        self.page.keys(Keys.PAGE_UP)
+        self.assertNotEqual(at()[1], 24)
+        self.page.click("show-oblique")
+        self.page.js("app.slices.goTo([arguments[0], arguments[1], arguments[2]])", x + 1, y, z + 1)
         # A place of the volume that was asked for is where they meet.
         ActionChains(self.page.driver).double_click(self.page.find("picture")).perform()
         self.page.wait("ringsplat.probe !== null")

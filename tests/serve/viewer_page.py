@@ -103,7 +103,7 @@ Object.defineProperty(window, 'app', { get: () => started, set(app) {
     get scale() { return app.scale; },
     get probe() { return document.getElementById('probe').hidden ? null : probed; },
     get slices() { return { at: app.slices.at, words: app.slices.words,
-                            drawn: app.slices.panes.every(({ bitmap, asks }) => bitmap && !asks) }; },
+                            drawn: app.slices.panes.every(({ canvas, bitmap, asks }) => canvas.hidden || (bitmap && !asks)) }; },
     get frame() { return app.series.seen; },
     get playing() { return app.series.playing; },
     get keyFrames() { return app.film.frames.length; },

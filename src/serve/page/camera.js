@@ -89,6 +89,12 @@ const latticeAxes = (volume) =>
 /** A lattice place in the world, but for its origin. */
 export const inWorld = (volume, place) => sum(...latticeAxes(volume).map((axis, k) => [place[k], axis]));
 
+/** The lattice place of a world vector from the volume's middle. */
+export function placeOf(volume, world) {
+  const [a, b, c] = latticeAxes(volume), sides = [cross(b, c), cross(c, a), cross(a, b)], whole = dot(a, sides[0]);
+  return sides.map((side, k) => dot(side, world) / whole + 0.5 * (volume.dims[k] - 1));
+}
+
 export function boundingRadius(volume) {
   const corners = [[1, 1, 1], [1, -1, 1], [-1, 1, 1], [-1, -1, 1]];
   return Math.max(...corners.map((ends) => length(inWorld(volume, volume.dims.map((n, k) => 0.5 * n * ends[k])))));

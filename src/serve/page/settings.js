@@ -5,7 +5,7 @@ import { byId } from './dom.js';
 const key = 'ringsplat.settings';
 const light = matchMedia('(prefers-color-scheme: light)'), systemsTheme = () => (light.matches ? 'light' : 'dark');
 const defaults = { turning: 'trackball', theme: 'auto', logAxis: true, cube: true, scale: true, colours: true,
-                   box: true, slices: false, folded: null };
+                   box: true, slices: false, oblique: false, folded: null };
 
 function stored() {
   try {

@@ -1,9 +1,10 @@
-// Three slices beside the volume, one across each axis of its lattice, and the voxel where they meet: each slice shows
-// where the others lie, and has the window and colours of the transfer function.
+// Three slices beside the volume, one across each axis of its lattice, or one across the view instead of the last, and
+// the voxel where they meet: each shows where that is, and has the window and colours of the transfer function.
 
+import { placeOf, sum, viewOf } from './camera.js';
 import { byId, clamp, toHex, element, fitCanvas, onDrag, onKeys, onceAFrame, show } from './dom.js';
 import { ink, strokeTwice, trace, write } from './overlay.js';
-import { settings } from './settings.js';
+import { onSettings, settings } from './settings.js';
 import { showError } from './status.js';
 
 const names = ['x', 'y', 'z'], shownBy = ['transfer_function', 'channels', 'mode', 'frame', 'background'];
@@ -11,24 +12,36 @@ const restBegins = 150;  // milliseconds without a move, until the value is aske
 
 /** The slice across one axis: its picture, asked for anew when it is out of date, and its gestures. */
 class Pane {
-  constructor(slices, axis) {
+  constructor(slices, axis, name = `across ${names[axis]}`) {
     this.slices = slices;
     this.axis = axis;
     const keys = 'Arrow keys move the point, page up and page down the slice, Enter puts an end of the ruler there.';
-    this.canvas = element('canvas', { tabindex: 0, role: 'application', 'aria-label': `Slice across ${names[axis]}. ${keys}` });
+    this.canvas = element('canvas', { tabindex: 0, role: 'application', 'aria-label': `Slice ${name}. ${keys}` });
     this.draw = onceAFrame(() => this.drawNow());
     new ResizeObserver(() => this.ask()).observe(this.canvas);
     const { app } = slices, move = (event) => this.point(event.offsetX, event.offsetY);
     onDrag(app, this.canvas, { begin: move, move });
     this.canvas.addEventListener('wheel', (event) => {
       event.preventDefault();
-      slices.step(axis, Math.sign(event.deltaY));
+      this.go(0, 0, Math.sign(event.deltaY));
     }, { passive: false });
     this.canvas.addEventListener('dblclick', () => slices.mark());
-    const along = (which, way) => () => slices.step(Math.abs(this.lies[which]) - 1, way * Math.sign(this.lies[which]));
     onKeys(app, this.canvas, {
-      ArrowRight: along('right', 1), ArrowLeft: along('right', -1), ArrowUp: along('up', 1), ArrowDown: along('up', -1),
-      PageUp: () => slices.step(axis, 1), PageDown: () => slices.step(axis, -1), Enter: () => slices.mark() });
+      ArrowRight: () => this.go(1, 0, 0), ArrowLeft: () => this.go(-1, 0, 0), ArrowUp: () => this.go(0, 1, 0),
+      ArrowDown: () => this.go(0, -1, 0), PageUp: () => this.go(0, 0, 1), PageDown: () => this.go(0, 0, -1),
+      Enter: () => slices.mark() });
+  }
+
+  /** Moves the voxel to the right, up, or to another slice. */
+  go(right, up, across) {
+    const at = [...this.slices.at], { lies } = this;
+    for (const [code, way] of [[lies.right, right], [lies.up, up], [this.axis + 1, across]])
+      at[Math.abs(code) - 1] += way * Math.sign(code);
+    this.slices.goTo(at);
+  }
+  /** Whether another voxel lies in another slice. */
+  differs(at, before) {
+    return at[this.axis] !== before[this.axis];
   }
 
   /** The lattice axes that point right and up, 1 to 3, negative where they point the other way. */
@@ -51,6 +64,12 @@ class Pane {
     return (code < 0) !== down ? 1 - part : part;
   }
 
+  /** Where the voxel is seen on the canvas. */
+  cross() {
+    const { left, top, width, height } = this.place();
+    return [left + width * this.part(this.lies.right, false), top + height * this.part(this.lies.up, true)];
+  }
+
   point(x, y) {
     const { left, top, width, height } = this.place(), { lies } = this, { volume } = this.slices;
     const at = [...this.slices.at];
@@ -65,7 +84,13 @@ class Pane {
   question() {
     const { width, height } = this.place(), ratio = window.devicePixelRatio || 1, most = this.slices.app.hello.largest;
     const [columns, rows] = [width, height].map((side) => clamp(Math.round(side * ratio), 1, most));
-    return { width: columns, height: rows, state: this.slices.state(), slice: [this.axis, this.slices.at[this.axis]] };
+    return { width: columns, height: rows, state: this.slices.state(), slice: this.slice() };
+  }
+  slice() {
+    return [this.axis, this.slices.at[this.axis]];
+  }
+  says() {
+    return `${names[this.axis]} ${this.slices.at[this.axis]}`;
   }
 
   async ask() {
@@ -85,22 +110,63 @@ class Pane {
   }
 
   drawNow() {
-    const { context, width, height } = fitCanvas(this.canvas), { at, app, words } = this.slices;
+    const { context, width, height } = fitCanvas(this.canvas), { app, words } = this.slices;
     const { background } = app.scene.state, place = this.place(), colours = ink(background);
     context.fillStyle = toHex(background);
     context.fillRect(0, 0, width, height);
     context.imageSmoothingEnabled = false;
     if (this.bitmap) context.drawImage(this.bitmap, place.left, place.top, place.width, place.height);
-    const x = place.left + place.width * this.part(this.lies.right, false);
-    const y = place.top + place.height * this.part(this.lies.up, true), gap = 6;
+    const [x, y] = this.cross(), gap = 6;
     trace(context, [[place.left, y], [x - gap, y]], [[x + gap, y], [place.left + place.width, y]],
           [[x, place.top], [x, y - gap]], [[x, y + gap], [x, place.top + place.height]]);
     context.globalAlpha = 0.6;
     strokeTwice(context, colours);
     context.globalAlpha = 1;
     context.font = '12px system-ui, sans-serif';
-    const told = [`${names[this.axis]} ${at[this.axis]}`, ...(this.axis === 2 ? words : [])];
+    const told = [this.says(), ...(this.axis === 2 ? words : [])];
     told.forEach((line, k) => write(context, colours, line, 10, 20 + 16 * k));
+  }
+}
+
+/** The slice across the view, as it is turned, through the voxel. */
+class ViewPane extends Pane {
+  constructor(slices) {
+    super(slices, -1, 'across the view');
+  }
+  place() {
+    return { left: 0, top: 0, width: this.canvas.clientWidth, height: this.canvas.clientHeight };
+  }
+  /** How the server shows it: whole, in the middle. */
+  seen() {
+    const { width, height } = this.place(), { app, volume } = this.slices;
+    return viewOf({ ...app.scene.state.camera, zoom: 1, pan: [0, 0], fov: 0 }, volume, width, height);
+  }
+  cross() {
+    return this.seen().project(this.slices.at);
+  }
+  /** Moves it by pixels and by its depth. */
+  shift(right, up, near) {
+    const { slices } = this, seen = this.seen(), [x, y, depth] = seen.project(slices.at);
+    slices.goTo(placeOf(slices.volume, sum([(x - seen.centre[0] + right) / seen.pixelsPerUnit, seen.right],
+                                           [(seen.centre[1] - y + up) / seen.pixelsPerUnit, seen.up], [depth + near, seen.viewer])));
+  }
+  point(x, y) {
+    const [from, down] = this.cross();
+    this.shift(x - from, down - y, 0);
+  }
+  go(right, up, across) {
+    const far = 1.8 * Math.max(...this.slices.volume.spacing);  // another voxel in any direction
+    const pixels = far * this.seen().pixelsPerUnit;
+    this.shift(right * pixels, up * pixels, across * far);
+  }
+  differs() {
+    return true;
+  }
+  slice() {
+    return this.slices.at;
+  }
+  says() {
+    return 'across the view';
   }
 }
 
@@ -109,8 +175,9 @@ export class Slices {
     this.app = app;
     this.at = [0, 0, 0];  // voxel
     this.words = [];  // of the voxel
-    this.panes = [2, 1, 0].map((axis) => new Pane(this, axis));
+    this.panes = [...[2, 1, 0].map((axis) => new Pane(this, axis)), new ViewPane(this)];
     byId('slices').append(...this.panes.map(({ canvas }) => canvas));
+    onSettings(() => [2, 3].forEach((k) => { this.panes[k].canvas.hidden = settings.oblique !== (k === 3); }));
   }
 
   get volume() {
@@ -135,19 +202,17 @@ export class Slices {
     this.looks = '';
   }
 
-  /** Asks anew where the scene looks otherwise; what turns the volume changes no slice. */
+  /** Asks anew where the scene looks otherwise; what turns the volume changes only the slice across the view. */
   refresh() {
-    const looks = JSON.stringify(shownBy.map((key) => this.app.scene.state[key]));
+    const { state } = this.app.scene, { azimuth, elevation, roll } = state.camera;
+    const looks = JSON.stringify(shownBy.map((key) => state[key])), view = [azimuth, elevation, roll].join();
     if (looks !== this.looks) this.ask();
-    this.looks = looks;
+    else if (view !== this.view) this.panes[3].ask();
+    [this.looks, this.view] = [looks, view];
   }
 
   ask() {
     for (const pane of this.panes) pane.ask();
-  }
-
-  step(axis, way) {
-    this.goTo(this.at.with(axis, this.at[axis] + way));
   }
 
   nearest(place) {
@@ -160,7 +225,7 @@ export class Slices {
     if (at.every((v, k) => v === before[k])) return;
     [this.at, this.words] = [at, []];
     for (const pane of this.panes) {
-      if (at[pane.axis] !== before[pane.axis]) pane.ask();
+      if (pane.differs(at, before)) pane.ask();
       pane.draw();
     }
     this.app.redraw();
