@@ -153,7 +153,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     const auto block = std::uint32_t(row * columns_ + column);
     const BlockState& state = states_[block];
     if (!state.needed && state.transparent == elsewhere_) return;
-    if (cut_off(column, row)) return;
+    if (!geometry().clip_planes.empty() && cut_off(column, row)) return;
     const PixelWindow window = windows_.of(column, row, slice_.index);
     const PixelRect touched = geometry().regions.touched(window.x0, window.y0, window.x1, window.y1);
     if (state.needed)
