@@ -144,7 +144,7 @@ void check_clip_planes(const Shown& shown, const Method& method) {
     const double length = glm::length(plane.normal);
     if (!(std::isfinite(length) && length > 0 && std::isfinite(plane.distance)))
       throw InputError("a clip plane needs a direction of finite length above zero and a finite distance",
-                       "for instance --clip-plane 0,1,0,0");
+                       "for instance 0,1,0,0");
   }
   if (!shown.clip_planes.empty() && std::holds_alternative<Splats>(method))
     throw InputError("splats cannot be cut by a plane", "use --engine sheets, or leave --clip-plane out");

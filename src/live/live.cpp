@@ -261,6 +261,7 @@ void Live::offer(const std::string& name, double& value, double low, double high
 }
 
 void Live::offer(const std::string& name, double& value, const std::vector<std::string>& choices) {
+  if (choices.empty()) throw InputError(fmt::format("{} has no choices", name), "name one at least");
   state_->offer({name, value, 0, double(choices.size()) - 1, choices}, value);
 }
 

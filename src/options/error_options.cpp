@@ -35,7 +35,7 @@ void settle_fit(const OptionList& list, RenderOptions& o) {
 void settle_mode(const OptionList& list, RenderOptions& o) {
   // Of fluorescence the largest values show most, where the other options allow a mode.
   const bool mip = std::holds_alternative<Sheets>(o.frame.how) && !list.is_given("--mode") &&
-                   o.colour.interpolation != Interpolation::nearest;
+                   o.colour.interpolation != Interpolation::nearest && !o.frame.shown.edges;
   if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
 }
 
@@ -45,8 +45,7 @@ void add_error_options(OptionList& list, RenderOptions& o) {
   list.below("Error") += {
       {"--error", "method|field|certified", nullptr,
        "Measure the picture against a double-precision truth: the method's own, the field's integral, or "
-       "proved "
-       "bounds of that",
+       "proved bounds of that",
        parsed(o.error.truth, truth_from)},
       {"--error-pixels", "N", initial,
        "Pixels at which the truth is evaluated, drawn at random where the volume may show",

@@ -131,14 +131,13 @@ void add_clip_options(OptionList& list, RenderOptions& o) {
        parsed(o.frame.shown.clip_planes, parse_clip_planes), Mark::of_sheets},
       {"--slice", "AXIS=PLACE|plane:NX,NY,NZ,D", nullptr,
        "Show one slice, as x=40, z=12.5mm or an oblique plane, from straight before it: its values in grey "
-       "or "
-       "in --tf's colours; with --values as numbers",
+       "or in --tf's colours; with --values as numbers",
        text([&o](const std::string& slice, const std::string& option) {
          constexpr std::string_view plane = "plane:";
          o.colour.mode = Mode::mip;
          o.oblique_slice = slice.starts_with(plane);
          if (o.oblique_slice)
-           o.frame.shown.clip_planes = {parse_clip_plane(slice.substr(plane.size()), option)};
+           o.frame.shown.clip_planes = {parse_clip_plane(slice.substr(plane.size()), option + " plane:")};
          else
            std::tie(o.clip, o.slice) = parse_slice(slice, option);
        })},
@@ -213,8 +212,7 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        parsed(o.colour.range, parse_window)},
       {"--tf2d", "G0:G1", nullptr,
        "Show boundaries: opacity goes by the gradient's magnitude, too, in values over world lengths; "
-       "nothing "
-       "is left of it up to G0, all of it from G1 on",
+       "nothing is left of it up to G0, all of it from G1 on",
        text([&o](const std::string& window, const std::string& option) {
          const DataRange range = parse_window(window, option);
          o.frame.shown.edges = EdgeOpacity{range.low, range.high};

@@ -159,6 +159,7 @@ void show_slice(Shown& shown, const json& j, const MessageRules& rules) {
   list_from(j, "slice", 2, 3);
   shown.clip.reset();
   shown.clip_planes.clear();
+  shown.edges.reset();
   if (j.size() == 3) {
     cut_across_view(shown, vector_from(j, "the slice's voxel", -0.5, 1e9), rules.grid);
   } else {

@@ -26,7 +26,8 @@ struct ChannelState {
 /// A picture that is wanted.
 struct SceneState {
   int frame = 0;  ///< which volume of a series, from 0
-  Shown shown;    ///< its camera, transfer function, shading, light, clip box and size are the page's
+  Shown shown;    ///< its camera, transfer function, shading, light, clip box and planes and size are
+                  ///< the page's
   glm::dvec3 background{0.0};  ///< sRGB, 0..1
   /// Each of the volume's; none where one is shown. They have functions of their own.
   std::vector<ChannelState> channels = {};

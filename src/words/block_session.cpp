@@ -98,13 +98,13 @@ std::string BlockSession::serve(const std::vector<std::string>& words, LiveOptio
 }
 
 void BlockSession::offer(const std::string& name, double value, double low, double high,
-                         const std::vector<std::string>& choices) {
+                         const std::optional<std::vector<std::string>>& choices) {
   Live& shown = live();
   double& kept = offered_.emplace_back(name, value).second;
-  if (choices.empty())
-    shown.offer(name, kept, low, high);
+  if (choices)
+    shown.offer(name, kept, *choices);
   else
-    shown.offer(name, kept, choices);
+    shown.offer(name, kept, low, high);
 }
 
 std::vector<std::pair<std::string, double>> BlockSession::show(std::int64_t step, double time) {

@@ -76,7 +76,7 @@ class BlockSession {
   Live& live();
   /// A number that pages may change, or the number of one of `choices`, kept here.
   void offer(const std::string& name, double value, double low, double high,
-             const std::vector<std::string>& choices);
+             const std::optional<std::vector<std::string>>& choices);
   /// As Live::show(). Returns the numbers that are offered, by name.
   std::vector<std::pair<std::string, double>> show(std::int64_t step, double time);
 

@@ -22,6 +22,15 @@ def held_step(page):
     return int(re.match(r"step (\d+)", words(page)).group(1))
 
 
+def held_while_it_runs(page, folder):
+    """The steps of a recording that begins while the simulation runs; a second click on Stop changes nothing."""
+    page.click("run-record")
+    page.wait("document.getElementById('run-record').textContent === 'Stop (3)'")
+    page.js("for (let k = 0; k < 2; ++k) document.getElementById('run-record').click()")
+    with zipfile.ZipFile(wait_for_file(os.path.join(folder, "heat-steps (1).zip"))) as archive:
+        return [int(name[5:11]) for name in archive.namelist()]
+
+
 def main():
     arguments = argparse.ArgumentParser()
     for name in ("--heat", "--mpiexec"):
@@ -39,7 +48,7 @@ def main():
         page.wait(f"document.getElementById('run-words').textContent.startsWith('step {step + 1},')")
         page.js("const f = document.querySelector('#run-parameters input'); f.value = 3; f.dispatchEvent(new Event('change'))")
         page.click("run-step")
-        page.wait("app.runs.run.parameters[0].value === 3")
+        page.wait(f"document.getElementById('run-words').textContent.startsWith('step {step + 2},')")
         page.click("run-record")
         page.wait("document.getElementById('run-record').textContent === 'Stop (3)'")
         page.click("run-record")
@@ -49,6 +58,8 @@ def main():
         steps = [int(re.fullmatch(r"heat-(\d{6})\.png", name).group(1)) for name in names]
         expect(len(steps) >= 3 and steps == list(range(step + 2, step + 2 + len(steps))), f"{names} after step {step}")
         page.wait("!app.runs.run.paused")
+        recorded = held_while_it_runs(page, folder)
+        expect(recorded == list(range(recorded[0], recorded[0] + len(recorded))), f"not each step: {recorded}")
     finally:
         page.quit()
         server.kill()

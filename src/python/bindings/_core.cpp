@@ -62,7 +62,7 @@ class ArraySource final : public VolumeSource {
   std::size_t scalar_ = size_of(volume_.grid.type), row_bytes_ = scalar_ * std::size_t(volume_.grid.dims.x);
 };
 
-/// Throws what a signal's handler raised, KeyboardInterrupt after Ctrl-C.
+/// A function that throws what a signal's handler raised, KeyboardInterrupt after Ctrl-C.
 std::function<void()> poll_now_and_then() {
   return [last = 0.0]() mutable {
     const double now = now_seconds();
@@ -239,7 +239,8 @@ void bind_pictures(nb::class_<BlockSession>& session) {
           },
           without_lock)
       .def("act", &BlockSession::act, without_lock)
-      .def("offer", &BlockSession::offer)
+      .def("offer", &BlockSession::offer, nb::arg("name"), nb::arg("value"), nb::arg("low"), nb::arg("high"),
+           nb::arg("choices").none())
       .def("show", &BlockSession::show, without_lock);
 }
 

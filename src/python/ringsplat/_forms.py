@@ -73,11 +73,10 @@ def _clip(value: Any) -> list[str]:
 
 
 def _planes(value: Any) -> list[str]:
-    """One plane as four numbers, or several."""
-    if isinstance(value, str):
-        return [value]
-    planes = np.asarray(value, dtype=float).reshape(-1, 4)
-    return [":".join(",".join(_numbers(plane)) for plane in planes)]
+    """One plane as four numbers, or several such."""
+    several = not isinstance(value, str) and np.ndim(value) == 2
+    words = _joined(",", (4,))
+    return [":".join(words(plane)[0] for plane in value)] if several else words(value)
 
 
 def _path(value: Any) -> list[str]:

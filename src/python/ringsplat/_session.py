@@ -277,12 +277,13 @@ class Session:
 
     @_by_itself
     def offer(
-        self, name: str, value: float, low: float = 0.0, high: float = 1.0, *, choices: Sequence[str] = ()
+        self, name: str, value: float, low: float = 0.0, high: float = 1.0, *, choices: Optional[Sequence[str]] = None
     ) -> None:
         """Lets pages change a number between `low` and `high`, or choose one of `choices`, such as the field whose array
         update_block() is given; show() tells what it is, of choices the number, from 0. All ranks offer the same in the
         same order, after serve()."""
-        self._open().offer(name, float(value), float(low), float(high), [str(one) for one in choices])
+        words = None if choices is None else [str(one) for one in choices]
+        self._open().offer(name, float(value), float(low), float(high), words)
 
     def act(self, file: "str | os.PathLike[str]", step: int) -> None:
         """Draws the pictures that a TOML file asks for after a step, of the blocks as they are now. The file is read at

@@ -65,7 +65,7 @@ class App {
     byId('redo').addEventListener('click', () => this.undo(true));
     byId('take-over').addEventListener('click', () => this.connection.send({ type: 'drive' }));
     window.addEventListener('hashchange', () => this.readAddress() && this.connection.reopen());
-    window.addEventListener('beforeunload', (event) => this.film.job && event.preventDefault());
+    window.addEventListener('beforeunload', (event) => (this.film.job || this.runs.recorded) && event.preventDefault());
     // A page that the browser keeps for "back" must not go on driving.
     window.addEventListener('pagehide', () => this.connection.close());
     window.addEventListener('pageshow', (event) => event.persisted && this.connection.reopen());
@@ -142,6 +142,7 @@ class App {
     if (driving) return void this.sender.request();
     this.film.stop();
     this.series.stop();
+    this.runs.stopRecording();
   }
 
   /** The driver's scene, for those who watch. */

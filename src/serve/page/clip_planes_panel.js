@@ -10,7 +10,7 @@ export class ClipPlanesPanel {
     this.app = app;
     this.rows = Array.from({ length: most }, (_, k) => this.makeRow(k));
     byId('clip-planes').append(...this.rows.map(({ row }) => row));
-    byId('add-plane').addEventListener('click', () => this.change([...this.planes, [...this.away(), 0]]));
+    byId('add-plane').addEventListener('click', () => app.mayEdit() && this.change([...this.planes, [...this.away(), 0]]));
   }
 
   makeRow(k) {
@@ -22,9 +22,9 @@ export class ClipPlanesPanel {
                                     } });
     const turn = element('button', { title: 'Put it across this view',
                                      onclick: () => this.put(k, [...this.away(), this.planes[k][3]]) }, 'Turn');
-    const remove = element('button', { 'aria-label': `Remove plane ${k + 1}`,
-                                       onclick: () => this.change(this.planes.toSpliced(k, 1)) }, '×');
-    return { move, distance, row: element('li', { class: 'row' }, move, distance, turn, remove) };
+    const remove = element('button', { 'aria-label': `Remove plane ${k + 1}`, title: `Remove plane ${k + 1}`,
+                                       onclick: () => this.change(this.planes.toSpliced(k, 1)) }, '✕');
+    return { move, distance, row: element('li', { class: 'row', hidden: true }, move, distance, turn, remove) };
   }
 
   get planes() {

@@ -3,13 +3,13 @@
 import { byId, download, element, fileStem, onNumber, show } from './dom.js';
 import { showError } from './status.js';
 import { spread } from './transfer_function.js';
-import { mostMembers, zip } from './zip.js';
+import { mostBytes, mostMembers, zip } from './zip.js';
 
 export class RunPanel {
   constructor(app) {
     this.app = app;
     this.run = null;
-    this.recording = false;
+    this.recorded = null;  // pictures of steps, while they are taken
     byId('run-pause').addEventListener('click', () => this.toggle());
     byId('run-step').addEventListener('click', () => this.steer('step'));
     byId('run-fit').addEventListener('click', () => this.fit());
@@ -68,31 +68,40 @@ export class RunPanel {
   }
   put(name, value) {
     const field = this.fields.get(name);
-    if (field !== document.activeElement) field.value = show(value, 6);
+    if (field !== document.activeElement || field.type !== 'number') field.value = show(value, 6);
   }
 
   /** Holds the simulation and lets it take one step after another: a picture of each, in a ZIP, until it is stopped. */
   async record() {
-    if (this.recording) return void this.stopRecording();
-    const { app } = this, stem = fileStem(app.volume.name), members = [];
+    if (this.recorded) return void this.stopRecording();
+    this.recorded = [];
     this.recording = true;
     this.steer('pause');
     try {
-      for (let last = null; await this.until((run) => run.paused && run.step !== last); this.steer('step')) {
-        last = this.run.step;
-        const { width, height } = app.stage.canvas;
-        const { blob } = await app.connection.ask({ type: 'snapshot', width, height, format: 'png', state: app.scene.state });
-        members.push({ name: `${stem}-${String(last).padStart(6, '0')}.png`, bytes: new Uint8Array(await blob.arrayBuffer()) });
-        byId('run-record').textContent = `Stop (${members.length})`;
-        if (members.length === mostMembers) break;
-      }
+      await this.takeSteps();
     } catch (error) {
       showError(`Recording ended: ${error.message}`);
     }
-    this.stopRecording();
     this.steer('resume');
+    const members = this.recorded;
+    this.recorded = null;
     byId('run-record').textContent = 'Record';
-    if (members.length) download(`${stem}-steps.zip`, zip(members));
+    if (members.length) download(`${fileStem(this.app.volume.name)}-steps.zip`, zip(members));
+  }
+  async takeSteps() {
+    const { app, recorded } = this, { width, height } = app.stage.canvas, stem = fileStem(app.volume.name);
+    const say = () => { byId('run-record').textContent = `Stop (${recorded.length})`; };
+    say();
+    let step = null, bytes = 0;
+    while (await this.until((run) => run.paused && run.step !== step)) {
+      const { blob } = await app.connection.ask({ type: 'snapshot', width, height, format: 'png', state: app.scene.state });
+      step = this.run.step;  // is told before its picture comes
+      recorded.push({ name: `${stem}-${String(step).padStart(6, '0')}.png`, bytes: new Uint8Array(await blob.arrayBuffer()) });
+      say();
+      bytes += blob.size;
+      if (recorded.length === mostMembers || bytes > mostBytes / 2) return;
+      this.steer('step');
+    }
   }
   /** Whether what is told of the simulation became as `condition` wants, before recording was stopped. */
   until(condition) {

@@ -258,6 +258,7 @@ export class Slices {
   boxes() {
     if (!this.shown) return [];
     const whole = this.volume.dims.map((count) => [0, count]);
-    return this.at.map((place, axis) => whole.with(axis, [place + 0.5, place + 0.5]));
+    const boxes = this.at.map((place, axis) => whole.with(axis, [place + 0.5, place + 0.5]));
+    return settings.oblique ? boxes.slice(1) : boxes;
   }
 }

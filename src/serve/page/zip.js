@@ -29,7 +29,7 @@ const dosTime = (date) => (date.getHours() << 11) | (date.getMinutes() << 5) | (
 const dosDate = (date) => ((date.getFullYear() - 1980) << 9) | ((date.getMonth() + 1) << 5) | date.getDate();
 
 export const mostMembers = 65535;  // without ZIP64
-const mostBytes = 0xffffffff;  // without ZIP64
+export const mostBytes = 0xffffffff;  // without ZIP64
 
 /** `members`: [{name, bytes}], mostMembers at most. Throws when the archive would be too large for the plain format. */
 export function zip(members, date = new Date()) {
