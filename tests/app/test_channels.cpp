@@ -97,6 +97,14 @@ TEST_CASE("a picture of channels has the same bits on any ranks", "[mpi]") {
   }
 }
 
+TEST_CASE("channels whose opacity goes by gradients are light") {
+  const Stacks stacks;
+  stacks.bytes("0,1", {"--tf2d", "1:1000"});
+  const auto settings = json::parse(read_image(stacks.folder / "x.exr").settings);
+  CHECK_FALSE(settings.contains("mode"));
+  CHECK(settings.at("edges") == json::array({1, 1000}));
+}
+
 TEST_CASE("a series of channels has the transfer functions of the first volume") {
   const Stacks stacks;
   fs::copy_file(stacks.file(2), stacks.folder / "s_0.nrrd");
