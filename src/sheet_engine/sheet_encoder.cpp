@@ -138,9 +138,15 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
   /// Whether all that a block is used for lies behind a clip plane.
   bool cut_off(int column, int row) const {
     const auto [u, v] = in_plane(axis());
-    glm::dvec3 middle(slice_.index), around(frame_->reach());
+    // A slab that is cut takes the values at its ends, up to a voxel beside what is left of it, or in
+    // perspective as far as its slope says.
+    glm::dvec3 middle(slice_.index), around(frame_->reach() + 1);
     middle[u] = side * column + 0.5 * (block_width(column) - 1);
     middle[v] = side * row + 0.5 * (block_height(row) - 1);
+    if (const auto& eye = geometry().view.eye) {
+      const glm::dvec3 ray = middle - *eye;
+      around += glm::abs(ray / ray[int(axis())]);
+    }
     around[u] += 0.5 * block_width(column);
     around[v] += 0.5 * block_height(row);
     return std::ranges::any_of(geometry().clip_planes, [&](const LatticePlane& plane) {

@@ -1,4 +1,5 @@
 // Processes that see different volumes report it before any voxel is dealt.
+#include <atomic>
 #include <utility>
 
 #include "formats/files.hpp"
@@ -110,6 +111,7 @@ TEST_CASE("a process without slices has its part in what all gather") {
   const std::string bytes = voxels();
   std::vector<std::size_t> known(3, 0);
   std::vector<ValueRange> ranges(3);
+  std::atomic<bool> in_order = true;
   const auto thrown = run_as_processes(3, [&](ThreadCollectives& collectives) {
     const auto process = std::size_t(collectives.process());
     OpenedVolume volume =
@@ -117,10 +119,15 @@ TEST_CASE("a process without slices has its part in what all gather") {
     auto stores = deal_slices(volume, {}, {2, {0, 2}, collectives});
     share_slice_ranges(stores, collectives);
     ranges[process] = share_values(stores, grid, {}, collectives).range;
-    for (const auto& [gp, store] : stores) known[process] = store.ranges(Axis::z).size();
+    for (const auto& [gp, store] : stores) {
+      const auto all = store.ranges(Axis::z);
+      known[process] = all.size();
+      for (std::size_t k = 0; k < all.size(); ++k) if (all[k].slice != int(k)) in_order = false;
+    }
   });
   CHECK(thrown == std::vector<std::string>(3));
   CHECK(known == std::vector<std::size_t>{12, 0, 12});
+  CHECK(in_order);
   for (const ValueRange& range : ranges) {
     CHECK(range.low == 'a');
     CHECK(range.high == 'v');

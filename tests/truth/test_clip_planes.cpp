@@ -109,6 +109,23 @@ TEST_CASE("what planes cut off is nowhere to be seen, and the rest is near the f
     }
 }
 
+TEST_CASE("near a plane, too, an unlit picture has all that it interpolates") {
+  // Light that changes nothing asks for the voxels of gradients besides.
+  const Volume volume = make_volume({40, 37, 43}, ScalarType::uint8, [](int x, int y, int z) {
+    return 128 + 120 * std::sin(0.5 * x) * std::cos(0.4 * y) * std::sin(0.3 * z + 1);
+  });
+  for (const Camera& camera :
+       {Camera{.azimuth = 44}, Camera{.azimuth = 44, .elevation = 40}, Camera{.azimuth = 135, .fov = 70}})
+    for (double distance = -3; distance < 3; distance += 0.15) {
+      FrameSpec spec = spec_of(camera, {{{-1, 0, 0}, distance}});
+      spec.shown.material = {.ambient = 1, .diffuse = 0, .specular = 0};
+      const Image lit = rendered(volume, spec);
+      spec.shown.shading = Shading::none;
+      INFO("azimuth " << camera.azimuth << ", distance " << distance);
+      CHECK(rendered(volume, spec).rgba == lit.rgba);
+    }
+}
+
 TEST_CASE("cut by planes, all modes are as the field's truth has them") {
   const Volume volume = lumpy();
   for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface})
