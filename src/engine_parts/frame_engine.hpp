@@ -35,13 +35,14 @@ FramePlan plan_of(const FrameGeometry& geometry, SliceDealing dealing, int rende
 /// (frame/work_estimate.hpp).
 class RegionDealer {
  public:
-  /// `setup` must outlive it; all but its sketch may change.
   explicit RegionDealer(const EngineSetup& setup) : setup_(setup) {}
+  /// From now on for these ranks and costs; the sketch is the same.
+  void use(const EngineSetup& setup) { setup_ = setup; }
   /// Of a frame's geometry, before its plan is made.
   void deal(const FrameSpec& spec, FrameGeometry& geometry);
 
  private:
-  const EngineSetup& setup_;
+  EngineSetup setup_;
   ShownPoints shown_;
 };
 
@@ -86,6 +87,7 @@ class OwnedImages {
 
   std::size_t count() const { return images_.size(); }
   RegionImage& image(std::size_t slot) { return images_[slot]; }
+  const RegionImage& image(std::size_t slot) const { return images_[slot]; }
   bool owns(int region) const { return std::ranges::binary_search(owned_, region); }
   const std::vector<int>& owned() const { return owned_; }  ///< ascending, by their images
   /// Index of an owned region's image.

@@ -202,6 +202,7 @@ FrameGeometry Forecast::dealt(const View& view, const Layout& layout) {
   setup_.colocated = layout.placement == Placement::colocated;
   setup_.splat_costs = splat_costs(machine_, voxel_weight_, layout.bundle);
   setup_.sheet_costs = sheet_costs(machine_, voxel_weight_, layout.bundle);
+  dealer_.use(setup_);
   dealer_.deal(spec, g);
   return g;
 }

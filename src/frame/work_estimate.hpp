@@ -39,6 +39,7 @@ class ShownPoints {
   struct Blocks {
     Axis across = Axis::z;
     double side = 0;  ///< in voxels
+    bool operator==(const Blocks&) const = default;
   };
   /// By VolumeSketch::index(), ascending. Where voxels travel in blocks, all points of a block that may show
   /// something. Valid until the function or the blocks' side changes.

@@ -29,7 +29,7 @@ class SheetParts {
   using Kept = SliceBlocks;
   explicit SheetParts(const EngineSetup& setup)
       : setup_(setup),
-        dealer_(setup_),
+        dealer_(setup),
         threads_(setup.threads),
         kept_(setup.slices->gp(), setup.gps, setup.renderers, setup.kept_bytes) {}
 

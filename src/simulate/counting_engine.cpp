@@ -212,7 +212,7 @@ class MeasuredParts {
   using Kept = KeptType;
   explicit MeasuredParts(const EngineSetup& setup, double voxel_weight)
       : setup_(setup),
-        dealer_(setup_),
+        dealer_(setup),
         threads_(setup.threads),
         voxel_weight_(voxel_weight),
         kept_(setup.slices->gp(), setup.gps, setup.renderers, setup.kept_bytes) {}

@@ -31,7 +31,7 @@ class SplatParts {
   using Frame = SplatFrame;
   using Kept = EmptySpace;
   explicit SplatParts(const EngineSetup& setup)
-      : setup_(setup), dealer_(setup_), encoder_threads_(setup.threads), painter_threads_(setup.threads) {}
+      : setup_(setup), dealer_(setup), encoder_threads_(setup.threads), painter_threads_(setup.threads) {}
 
   std::shared_ptr<const SplatFrame> frame(const FrameSpec& spec) {
     return make_splat_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, &dealer_);
