@@ -104,7 +104,10 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
   if (o.budget.guarantee) o.error.guaranteed = o.budget.max_error;
   o.budget.to_field = o.budget.max_error && *o.error.truth != TruthKind::method;
   // A method's truth is its own, so that only the field's tells which engine is nearer.
-  if (o.budget.to_field && !engine_is_chosen(list)) {
+  const Shown& shown = o.frame.shown;
+  const bool only_sheets =
+      shown.camera.fov > 0 || !shown.clip_planes.empty() || shown.edges || o.colour.mode != Mode::composite;
+  if (o.budget.to_field && !engine_is_chosen(list) && !only_sheets) {
     MethodOptions other = o.method;
     other.engine = Engine::splats;
     o.budget.other_engine = method_for(other);

@@ -175,6 +175,8 @@ TEST_CASE("an oblique slice has the interpolated values of its plane") {
   CHECK(sum / 4 == Approx(4 * there).margin(0.01));
   CHECK(says(run_program({"render", volume, "-o", picture, "--slice", "plane:1,1,0"}).err,
              "--slice plane: '1,1,0' is no plane"));
+  CHECK(says(run_program({"render", volume, "-o", picture, "--clip-plane", "1,0,0,500"}).err,
+             "clip planes leave nothing of the volume"));
   CHECK(says(
       run_program({"render", volume, "-o", picture, "--clip-plane", "1,0,0,0", "--quality", "paper"}).err,
       "--clip-plane has no effect on splats"));

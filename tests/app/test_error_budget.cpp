@@ -274,6 +274,20 @@ TEST_CASE("a budget against the field is another one than against the method", "
                               Catch::Matchers::Contains("leave out the choice of an engine"));
 }
 
+TEST_CASE("what only sheets show has a budget among their settings", "[mpi]") {
+  const Workshop w;
+  const std::vector<std::vector<std::string>> shown{
+      {"--projection", "perspective"}, {"--clip-plane", "1,0,0,-3"}, {"--tf2d", "0:5"}};
+  for (std::vector<std::string> options : shown) {
+    options.insert(options.begin(), {"render", w.volume(), "-o", w / "x.exr", "--size", "48", "--tf", "grey",
+                                     "--max-error", "20", "--error", "field"});
+    const Ended ended = run_program(options);
+    INFO(ended.err);
+    CHECK(ended.code == 0);
+    CHECK(json::parse(read_image(w / "x.exr").settings).at("engine") == "sheets");
+  }
+}
+
 TEST_CASE("a tight budget leaves the exact setting", "[mpi]") {
   const Workshop w;
   const Ended ended = w.render({"--max-error", "0.0001"});
