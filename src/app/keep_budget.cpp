@@ -30,7 +30,7 @@ std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double
         }
       },
       frame.how);
-  if (o.to_field && !o.other_engine) fixed.emplace_back("the choice of an engine");
+  if (o.fixed.contains("--engine")) fixed.emplace_back("the choice of an engine");
   const std::string larger = fmt::format("allow --max-error {:.2g}", 1.1 * best);
   return fixed.empty() ? larger : fmt::format("leave out {}, or {}", joined(fixed, " and "), larger);
 }

@@ -107,7 +107,9 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
   const Shown& shown = o.frame.shown;
   const bool only_sheets =
       shown.camera.fov > 0 || !shown.clip_planes.empty() || shown.edges || o.colour.mode != Mode::composite;
-  if (o.budget.to_field && !engine_is_chosen(list) && !only_sheets) {
+  if (o.budget.to_field && engine_is_chosen(list)) {
+    o.budget.fixed.emplace("--engine");
+  } else if (o.budget.to_field && !only_sheets) {
     MethodOptions other = o.method;
     other.engine = Engine::splats;
     o.budget.other_engine = method_for(other);
