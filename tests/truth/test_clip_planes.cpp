@@ -122,7 +122,7 @@ TEST_CASE("near a plane, too, an unlit picture has all that it interpolates") {
       const Image lit = rendered(volume, spec);
       spec.shown.shading = Shading::none;
       INFO("azimuth " << camera.azimuth << ", distance " << distance);
-      CHECK(rendered(volume, spec).rgba == lit.rgba);
+      CHECK((rendered(volume, spec).rgba == lit.rgba));
     }
 }
 
