@@ -87,6 +87,28 @@ void add_reference_options(OptionList& list, ReferenceOptions& o) {
   };
 }
 
+namespace {
+
+/// Which engines a budget is to be kept with.
+void settle_engines(const OptionList& list, RenderOptions& o) {
+  // A method's truth is its own, so that only the field's tells which engine is nearer.
+  o.budget.to_field = o.budget.max_error && *o.error.truth != TruthKind::method;
+  if (!o.budget.to_field) return;
+  if (engine_is_chosen(list)) {
+    o.budget.fixed.emplace("--engine");
+    return;
+  }
+  const Shown& shown = o.frame.shown;
+  const bool only_sheets =
+      shown.camera.fov > 0 || !shown.clip_planes.empty() || shown.edges || o.colour.mode != Mode::composite;
+  if (only_sheets) return;
+  MethodOptions other = o.method;
+  other.engine = Engine::splats;
+  o.budget.other_engine = method_for(other);
+}
+
+}  // namespace
+
 void settle_picture(const OptionList& list, RenderOptions& o) {
   if (o.colour.values && !o.output.empty() && !detail::lower_case(o.output).ends_with(".exr"))
     throw InputError(fmt::format("-o {} cannot hold --values", o.output), "write an .exr");
@@ -102,18 +124,7 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
   if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
   o.error.all = o.budget.guarantee || (!o.error.map.empty() && !list.is_given("--error-pixels"));
   if (o.budget.guarantee) o.error.guaranteed = o.budget.max_error;
-  o.budget.to_field = o.budget.max_error && *o.error.truth != TruthKind::method;
-  // A method's truth is its own, so that only the field's tells which engine is nearer.
-  const Shown& shown = o.frame.shown;
-  const bool only_sheets =
-      shown.camera.fov > 0 || !shown.clip_planes.empty() || shown.edges || o.colour.mode != Mode::composite;
-  if (o.budget.to_field && engine_is_chosen(list)) {
-    o.budget.fixed.emplace("--engine");
-  } else if (o.budget.to_field && !only_sheets) {
-    MethodOptions other = o.method;
-    other.engine = Engine::splats;
-    o.budget.other_engine = method_for(other);
-  }
+  settle_engines(list, o);
 }
 
 void note_options_without_effect(const OptionList& list, ReferenceOptions& o) {

@@ -38,6 +38,23 @@ struct Files {
                                "--azimuth", "30", "--elevation", "20", "--clip", "5:31,3:36,7:40"});
     return more;
   }
+  /// Draws alone and on three layouts of ranks; returns the file of the one picture.
+  std::string same_on_ranks(const std::vector<std::string>& more) const {
+    std::string alone = folder / "alone.exr";
+    REQUIRE(run_program(render(more)).code == 0);
+    fs::rename(picture, alone);
+    const auto same_on = [&](int ranks, std::vector<std::string> layout) {
+      layout.insert(layout.end(), more.begin(), more.end());
+      const Ended ended = run_program(render(layout), ranks);
+      INFO(ended.err);
+      REQUIRE(ended.code == 0);
+      CHECK(run_program({"compare", picture, alone, "--fail-above", "0"}).code == 0);
+    };
+    same_on(5, {"--gps", "3", "--renderers", "2"});
+    same_on(3, {"--roles", "colocated"});
+    same_on(6, {"--topology", "mesh", "--mesh", "2x2", "--renderers", "2"});
+    return alone;
+  }
 };
 
 }  // namespace
@@ -82,25 +99,13 @@ TEST_CASE("the part of a clip box that is wrong is named, and what is possible")
 
 TEST_CASE("--clip draws the same bits on ranks, in a ring and in a mesh, with both engines", "[mpi]") {
   const Files files;
-  const std::string alone = files.folder / "alone.exr";
   for (const std::string engine : {"splats", "sheets"}) {
     INFO(engine);
-    REQUIRE(run_program(files.render({"--engine", engine})).code == 0);
-    fs::rename(files.picture, alone);
+    const std::string clipped = files.same_on_ranks({"--engine", engine});
     REQUIRE(run_program({"render", files.volume, "-o", files.picture, "--size", "96x80", "--tf", "grey",
                          "--azimuth", "30", "--elevation", "20", "--engine", engine})
                 .code == 0);
-    CHECK(run_program({"compare", files.picture, alone, "--fail-above", "1"}).code == 1);
-    const auto same_on = [&](int ranks, std::vector<std::string> more) {
-      more.insert(more.end(), {"--engine", engine});
-      const Ended ended = run_program(files.render(more), ranks);
-      INFO(ended.err);
-      REQUIRE(ended.code == 0);
-      CHECK(run_program({"compare", files.picture, alone, "--fail-above", "0"}).code == 0);
-    };
-    same_on(5, {"--gps", "3", "--renderers", "2"});
-    same_on(3, {"--roles", "colocated"});
-    same_on(6, {"--topology", "mesh", "--mesh", "2x2", "--renderers", "2"});
+    CHECK(run_program({"compare", files.picture, clipped, "--fail-above", "1"}).code == 1);
   }
 }
 
@@ -125,25 +130,9 @@ TEST_CASE("a picture with --clip is its method's and near the field's truth of t
 
 TEST_CASE("--clip-plane draws the same bits on ranks, in a ring and in a mesh", "[mpi]") {
   const Files files;
-  const std::string alone = files.folder / "alone.exr";
-  for (const std::string fov : {"0", "40"}) {
-    const auto with = [&](std::vector<std::string> more) {
-      more.insert(more.end(), {"--clip-plane", "0.4,1,-0.3,-2:-1,0.5,0.2,-9", "--fov", fov});
-      if (fov != "0") more.insert(more.end(), {"--projection", "perspective"});
-      if (fov == "0") more.resize(more.size() - 2);
-      return files.render(more);
-    };
-    REQUIRE(run_program(with({})).code == 0);
-    fs::rename(files.picture, alone);
-    const auto same_on = [&](int ranks, const std::vector<std::string>& more) {
-      const Ended ended = run_program(with(more), ranks);
-      INFO(ended.err);
-      REQUIRE(ended.code == 0);
-      CHECK(run_program({"compare", files.picture, alone, "--fail-above", "0"}).code == 0);
-    };
-    same_on(5, {"--gps", "3", "--renderers", "2"});
-    same_on(3, {"--roles", "colocated"});
-    same_on(6, {"--topology", "mesh", "--mesh", "2x2", "--renderers", "2"});
+  for (const char* const projection : {"orthographic", "perspective"}) {
+    INFO(projection);
+    files.same_on_ranks({"--clip-plane", "0.4,1,-0.3,-2:-1,0.5,0.2,-9", "--projection", projection});
   }
 }
 
