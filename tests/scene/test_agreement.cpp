@@ -122,7 +122,8 @@ TEST_CASE("a process without slices has its part in what all gather") {
     for (const auto& [gp, store] : stores) {
       const auto all = store.ranges(Axis::z);
       known[process] = all.size();
-      for (std::size_t k = 0; k < all.size(); ++k) if (all[k].slice != int(k)) in_order = false;
+      for (std::size_t k = 0; k < all.size(); ++k)
+        if (all[k].slice != int(k)) in_order = false;
     }
   });
   CHECK(thrown == std::vector<std::string>(3));

@@ -57,8 +57,8 @@ class Live {
   /// Lets pages change a number between `low` and `high`, from the next show() on; `value` must outlive this.
   /// All ranks offer the same in the same order.
   void offer(const std::string& name, double& value, double low, double high);
-  /// Lets pages choose one of several, such as the field that update_block() is to show; `value` is its number,
-  /// from 0.
+  /// Lets pages choose one of several, such as the field that update_block() is to show; `value` is its
+  /// number, from 0.
   void offer(const std::string& name, double& value, const std::vector<std::string>& choices);
 
   /// Shows the session's blocks as they are now: after a step, whose number and time the page tells. Returns
