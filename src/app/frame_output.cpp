@@ -83,8 +83,7 @@ std::string why_empty(const FrameResult& result, const ValueRange& range) {
         tf.name, opaque, low, high);
   if (sum.visible_voxels + sum.voxels_outside == 0 && !result.spec.shown.clip_planes.empty())
     return "the picture is empty: clip planes leave nothing of the volume that is visible; hint: distances "
-           "count "
-           "from its middle, and directions point to what is left";
+           "count from its middle, and directions point to what is left";
   if (sum.visible_voxels + sum.voxels_outside == 0)
     return fmt::format(
         "the picture is empty: transfer function '{}' is opaque {}, and no voxel has such a value though the "

@@ -71,10 +71,10 @@ void settle_protocol(const OptionList& list, RenderOptions& o) {
     if (!list.is_given(option)) value = usual;
   };
   ProtocolOptions& protocol = o.run.protocol;
-  unless_given("--slots", protocol.slots, running_ahead.slots);
-  unless_given("--look-ahead", protocol.look_ahead, running_ahead.look_ahead);
-  if (o.run.topology == Topology::ring)
-    unless_given("--send-ahead", protocol.send_ahead, running_ahead.send_ahead);
+  const ProtocolOptions ahead = running_ahead(o.run.topology);
+  unless_given("--slots", protocol.slots, ahead.slots);
+  unless_given("--look-ahead", protocol.look_ahead, ahead.look_ahead);
+  unless_given("--send-ahead", protocol.send_ahead, ahead.send_ahead);
 }
 
 Command settle_render(const OptionList& list, AllOptions& all) {

@@ -40,9 +40,14 @@ SliceRule slice_rule(const Method& how) {
   return std::holds_alternative<Sheets>(how) ? SliceRule::most_crossed : SliceRule::most_parallel;
 }
 
+/// Where a reduced volume's first voxel lies in the volume's lattice, along each axis.
+double first_voxel(const Reduction& reduction) {
+  return reduction.prefilter ? 0.5 * (reduction.factor - 1) : 0.0;
+}
+
 /// The view of a reduced volume's lattice that shows it where the volume is.
 ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
-  const double middle = reduction.prefilter ? 0.5 * (reduction.factor - 1) : 0.0;
+  const double middle = first_voxel(reduction);
   view.offset = view.project(glm::dvec3(middle));
   view.linear *= double(reduction.factor);
   if (view.eye) *view.eye = (*view.eye - middle) / double(reduction.factor);
@@ -91,11 +96,10 @@ FrameGeometry screen_geometry(const Shown& shown, const Grid& grid, SliceRule ru
     g.view = moved_view(g.view, g.box.first);
     g.grid = clipped_grid(g.grid, g.box);
   }
-  const double factor = shown.reduction.factor,
-               first_middle = shown.reduction.prefilter ? 0.5 * (factor - 1) : 0.0;
+  const double factor = shown.reduction.factor;
+  const glm::dvec3 first = factor * glm::dvec3(g.box.first) + first_voxel(shown.reduction);
   for (const ClipPlane& plane : shown.clip_planes)
-    g.clip_planes.push_back(
-        plane_in_lattice(plane, grid, factor * glm::dvec3(g.box.first) + first_middle, factor));
+    g.clip_planes.push_back(plane_in_lattice(plane, grid, first, factor));
   g.width = shown.width;
   g.height = shown.height;
   g.slices = g.grid.slices(g.traversal.axis);

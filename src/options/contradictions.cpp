@@ -17,6 +17,8 @@ using enum Relation;
 constexpr const char* several = "several";
 
 const Some only_splats{{.option = {}, .mark = Mark::of_splats}};
+constexpr const char* without_light =
+    "--mode=mip --mode=attenuated --mode=minip --mode=mean --mode=sum --mode=surface --slice";
 const Some only_sheets{{.option = {}, .mark = Mark::of_sheets}, {.option = "--samples", .value = "1.5"}};
 
 const Rule all_rules[] = {
@@ -94,8 +96,7 @@ const Rule all_rules[] = {
     {"--cores --machine", needs, "--ranks", "add --ranks N"},
     {"--isovalue", needs, "--mode=surface", "add --mode surface"},
     {"--values", needs, "--mode --slice", "add --mode sum or another"},
-    {"--mode=mip --mode=attenuated --mode=minip --mode=mean --mode=sum --mode=surface --slice", excludes,
-     "--tf2d", "only light through the volume goes by opacities: leave one out"},
+    {without_light, excludes, "--tf2d", "only light through the volume goes by opacities: leave one out"},
     {"--slice", excludes,
      "--clip --clip-plane --mode --view --azimuth --elevation --matrix --eye --target --projection --orbit "
      "--path",
@@ -103,8 +104,7 @@ const Rule all_rules[] = {
     {"--values", excludes,
      "--tf --range --colours --log --opacity --background --annotate --error --max-error",
      "numbers have no colours: leave one out"},
-    {"--mode=mip --mode=attenuated --mode=minip --mode=mean --mode=sum --mode=surface --slice", excludes,
-     "--engine=splats --quality=paper --labels --interpolation=nearest",
+    {without_light, excludes, "--engine=splats --quality=paper --labels --interpolation=nearest",
      "only sheets of interpolated values have other modes: leave one out"},
     {"--labels", excludes, "--tf --range --colours --log", "labels have colours of their own: leave one out"},
     {"@View @Picture @Colours @Shortcuts", needs, "--ranks",

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/net/layout.hpp"
 
 namespace ringsplat {
 
@@ -21,8 +22,10 @@ struct ProtocolOptions {
 };
 
 /// How far ranks that draw sheets run ahead of tokens, so that they wait less for those that something else
-/// keeps from running (docs/performance.md). On a mesh nothing is sent ahead.
-inline constexpr ProtocolOptions running_ahead{.slots = 16, .look_ahead = 4, .send_ahead = 16};
+/// keeps from running (docs/performance.md).
+constexpr ProtocolOptions running_ahead(Topology topology) {
+  return {.slots = 16, .look_ahead = 4, .send_ahead = topology == Topology::ring ? 16 : 0};
+}
 
 /// Throws InputError naming the option when a number is below 1 (or the timeout not positive).
 inline void check(const ProtocolOptions& options) {

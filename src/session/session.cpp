@@ -80,8 +80,7 @@ struct Session::State {
             .gps = processes.ranks(), .renderers = processes.ranks(), .placement = Placement::colocated})),
         wiring{processes.collectives(), processes.transport()} {
     engine.threads_per_rank = options.threads_per_rank;
-    protocol = running_ahead;
-    if (layout.topology != Topology::ring) protocol.send_ahead = 0;
+    protocol = running_ahead(layout.topology);
     protocol.stall_timeout = options.stall_timeout;
     wiring.collectives.patience = {options.stall_timeout, false};
     // Several processes would wait for one that ends a call by itself.

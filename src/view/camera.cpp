@@ -230,6 +230,20 @@ int nearest_axis(const glm::dvec3& direction) {
   return along.x >= along.y && along.x >= along.z ? 0 : along.y >= along.z ? 1 : 2;
 }
 
+namespace {
+
+/// Stands in a world direction from the volume's middle, or from a target that is `beyond` it; the volume's
+/// box fills the picture.
+Camera standing_before(const LatticeFrame& lattice, const glm::dvec3& to_viewer, const glm::dvec3& beyond) {
+  const glm::dvec3 extent = lattice.spacing * glm::dvec3(lattice.dims - 1);
+  Camera camera{.zoom = 1 / box_fill, .fit = Fit::box};
+  camera.target = lattice.origin + lattice.direction * (0.5 * extent) + beyond;
+  camera.eye = *camera.target + glm::length(extent + lattice.spacing) * to_viewer;
+  return camera;
+}
+
+}  // namespace
+
 Camera facing_slices(const LatticeFrame& lattice, Axis axis, bool patient) {
   const double side = patient ? -1 : 1;
   const glm::dvec3 to_viewer[] = {{1, 0, 0}, {0, -1, 0}, {0, 0, side}},
@@ -241,19 +255,14 @@ Camera facing_slices(const LatticeFrame& lattice, Axis axis, bool patient) {
                    other = lattice.direction[in_plane(axis).v];
   const int across = nearest_axis(normal);
   const bool other_is_up = std::abs(glm::dot(other, up[across])) > std::abs(glm::dot(one, up[across]));
-  const glm::dvec3 extent = lattice.spacing * glm::dvec3(lattice.dims - 1);
-  Camera camera{.zoom = 1 / box_fill, .fit = Fit::box};
-  camera.target = lattice.origin + lattice.direction * (0.5 * extent);
-  camera.eye = *camera.target + glm::length(extent + lattice.spacing) * towards(normal, to_viewer[across]);
+  Camera camera = standing_before(lattice, towards(normal, to_viewer[across]), glm::dvec3(0.0));
   camera.up = towards(other_is_up ? other : one, up[across]);
   return camera;
 }
 
 Camera facing_plane(const LatticeFrame& lattice, const glm::dvec3& normal, double distance) {
-  const glm::dvec3 to_viewer = unit(normal), extent = lattice.spacing * glm::dvec3(lattice.dims - 1);
-  Camera camera{.zoom = 1 / box_fill, .fit = Fit::box};
-  camera.target = lattice.origin + lattice.direction * (0.5 * extent) + distance * to_viewer;
-  camera.eye = *camera.target + glm::length(extent + lattice.spacing) * to_viewer;
+  const glm::dvec3 to_viewer = unit(normal);
+  Camera camera = standing_before(lattice, to_viewer, distance * to_viewer);
   constexpr double along_z = 0.999;
   if (std::abs(to_viewer.z) > along_z) camera.up = {0, 1, 0};
   return camera;

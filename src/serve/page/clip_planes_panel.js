@@ -2,13 +2,12 @@
 
 import { basisOf, boundingRadius } from './camera.js';
 import { byId, element, show } from './dom.js';
-
-const most = 2;
+import { mostPlanes } from './scene.js';
 
 export class ClipPlanesPanel {
   constructor(app) {
     this.app = app;
-    this.rows = Array.from({ length: most }, (_, k) => this.makeRow(k));
+    this.rows = Array.from({ length: mostPlanes }, (_, k) => this.makeRow(k));
     byId('clip-planes').append(...this.rows.map(({ row }) => row));
     byId('add-plane').addEventListener('click', () => app.mayEdit() && this.change([...this.planes, [...this.away(), 0]]));
   }
@@ -50,6 +49,6 @@ export class ClipPlanesPanel {
       Object.assign(move, { min: -radius, max: radius, value: this.planes[k][3] });
       distance.textContent = show(this.planes[k][3], 3);
     });
-    byId('add-plane').disabled = this.planes.length >= most;
+    byId('add-plane').disabled = this.planes.length >= mostPlanes;
   }
 }

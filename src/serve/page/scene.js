@@ -2,6 +2,8 @@
 
 import { byId } from './dom.js';
 
+export const mostPlanes = 2;
+
 const isNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite);
 const isRgb = (list) => isNumbers(list, 3) && list.every((c) => c >= 0 && c <= 1);
 const isAscending = (points) => points.every((p, i) => i === 0 || p[0] >= points[i - 1][0]);
@@ -23,7 +25,7 @@ const checks = {
   light: (l) => isNumbers(l, 3) && Math.hypot(...l) > 0,
   clip: (b) => b === null || (Array.isArray(b) && b.length === 3 &&
                               b.every((range) => isNumbers(range, 2) && range[0] < range[1])),
-  clip_planes: (all) => Array.isArray(all) && all.length <= 2 &&
+  clip_planes: (all) => Array.isArray(all) && all.length <= mostPlanes &&
     all.every((plane) => isNumbers(plane, 4) && Math.hypot(...plane.slice(0, 3)) > 0),
   background: isRgb,
   channels: (all) => Array.isArray(all) && all.every((c) => typeof c?.visible === 'boolean' && isRgb(c.colour) &&
