@@ -46,7 +46,9 @@ SheetRays parallel_rays(const FrameGeometry& g) {
           fmt::format("the picture shows {:.3g} voxels around a volume of {}", seen, rays.voxels[i]),
           "use a larger --zoom");
     const auto fixed = [](double x) { return static_cast<std::int64_t>(std::llround(x * unit)); };
-    rays.grid.origin[i] = fixed(origin[i]);
+    // Rays in a face, up to what is rounded, are all on one side of it: inside of low ones.
+    constexpr double in_face = 1.0 / (1 << 28);
+    rays.grid.origin[i] = fixed(origin[i] + in_face);
     rays.grid.step_x[i] = fixed(to_lattice[0][i]);
     rays.grid.step_y[i] = fixed(to_lattice[1][i]);
     rays.shear[i] = shear[i];

@@ -84,7 +84,7 @@ struct Way {
     const F low = set(-0.5F), high = set(float(voxels) - 0.5F), step = sub(to, from);
     const M moves = either(greater(step, set(0.0F)), greater(set(0.0F), step));
     const F x = div(sub(low, from), step), y = div(sub(high, from), step);
-    const M outside = either(greater(low, from), greater(from, sub(high, set(1e-6F))));
+    const M outside = either(greater(low, from), greater(a, set_int(voxels * one_voxel - one_voxel / 2 - 1)));
     enter = max(enter, choose(moves, min(x, y), choose(outside, set(2.0F), set(0.0F))));
     leave = min(leave, choose(moves, max(x, y), set(1.0F)));
   }

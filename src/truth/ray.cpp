@@ -75,7 +75,9 @@ LatticeRay Rays::through(Pixel pixel) const {
                         : -std::numeric_limits<double>::infinity();
   ray.leave = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
-    const double low = box_.low[k], high = box_.high[k];
+    constexpr double parallel = 1e-12;
+    const double shift = std::abs(step[k]) < parallel ? in_face : 0, low = box_.low[k] - shift,
+                 high = box_.high[k] - shift;
     if (step[k] == 0) {
       if (ray.origin[k] >= low && ray.origin[k] < high) continue;
       ray.enter = ray.leave = 0;  // beside the box all the way

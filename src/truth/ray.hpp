@@ -25,6 +25,9 @@ struct LatticeBox {
 };
 /// The faces of the voxels that are shown: [−½, n − ½] along each axis without a clip box.
 LatticeBox voxel_faces(const Scene& scene);
+/// A ray along a face and so near to it, in voxels, lies in it: inside of the voxels' low faces, outside of
+/// their high ones. Pixels' centres do where a fitted picture's size is a round number.
+inline constexpr double in_face = 1.0 / (1 << 28);
 
 /// A clip plane in lattice coordinates: what is left has normal · place + offset of at least 0.
 struct CutPlane {

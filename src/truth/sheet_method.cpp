@@ -33,8 +33,9 @@ std::vector<SheetPlace> sheet_places(int slices, int slabs, bool nearest) {
 struct Share {
   double first = 0, last = 1;
   void clip(double a, double b, double low, double high) {
-    if (a == b) {
-      if (a < low || a >= high) last = first;
+    constexpr double parallel = 1e-12;
+    if (std::abs(b - a) < parallel) {
+      if (a < low - in_face || a >= high - in_face) last = first;
       return;
     }
     const double at_low = (low - a) / (b - a), at_high = (high - a) / (b - a);

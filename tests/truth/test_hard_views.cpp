@@ -225,3 +225,22 @@ TEST_CASE("volumes that are a point, a line or a plane") {
       CHECK(brightest(field_image(volume, spec)) > 0.05F);
     }
 }
+
+TEST_CASE("rays in the volume's faces meet it at its low ones, in pictures and truths alike") {
+  // Their pixels' centres lie at a fortieth of the picture, where a fitted box begins.
+  const Volume solid = make_volume({16, 16, 16}, ScalarType::uint8,
+                                   [](int x, int y, int z) { return 150 + x + 2 * y + 3 * z; });
+  for (const int size : {20, 60, 100})
+    for (const auto& [azimuth, elevation] : {std::pair{0, 0}, {90, 0}, {180, 0}, {270, 0}, {0, 90}, {0, -90}})
+      for (const Interpolation between : {Interpolation::linear, Interpolation::nearest}) {
+        FrameSpec spec =
+            plain_spec(ramp(100, 250, 0.4), size,
+                       {.azimuth = double(azimuth), .elevation = double(elevation), .fit = Fit::box});
+        spec.how = Sheets{};
+        spec.shown.interpolation = between;
+        INFO(size << ' ' << azimuth << ' ' << elevation << ' ' << name(between));
+        const Image picture = rendered(solid, spec);
+        CHECK(truth::compare(picture, field_image(solid, spec)).total.largest < 2);
+        CHECK(truth::compare(picture, method_image(solid, spec)).total.largest < 2);
+      }
+}
