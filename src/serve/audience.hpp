@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <string>
@@ -15,12 +16,6 @@
 #include "serve/viewer.hpp"
 
 namespace ringsplat::serve {
-
-/// What reaches a client.
-struct Outlet {
-  std::function<void(ClientId, std::string text)> text;
-  std::function<void(ClientId, std::shared_ptr<const std::string> bytes)> binary;
-};
 
 /// A picture's message, and what it shows.
 struct SentPicture {
@@ -38,7 +33,8 @@ class Audience {
   /// Pictures that a client may have unacknowledged.
   static constexpr int most_unacknowledged = 2;
 
-  explicit Audience(Outlet outlet) : outlet_(std::move(outlet)) {}
+  using Send = std::function<void(ClientId client, bool binary, std::shared_ptr<const std::string> bytes)>;
+  explicit Audience(Send send) : send_(std::move(send)) {}
 
   void add(ClientId client) {
     members_[client];
@@ -64,10 +60,12 @@ class Audience {
   const std::optional<SentPicture>& last() const { return last_; }
 
   void say(const std::string& text) const {
-    for (const auto& [client, member] : members_) outlet_.text(client, text);
+    const auto shared = std::make_shared<const std::string>(text);
+    for (const auto& [client, member] : members_) send_(client, false, shared);
   }
   void say_who_drives() const {
-    for (const auto& [client, member] : members_) outlet_.text(client, driver_text(drives(client), size()));
+    for (const auto& [client, member] : members_)
+      say_to(client, {{"type", "driver"}, {"you", drives(client)}, {"viewers", size()}});
   }
 
   /// Numbers a picture and sends it to all who can take one.
@@ -94,8 +92,8 @@ class Audience {
     member.last = last_->head.number;
     member.unacknowledged.insert(member.last);
     const bool told = std::exchange(member.scene, last_->scene) == last_->scene;
-    if (!told && !drives(client)) outlet_.text(client, state_text(last_->state));
-    outlet_.binary(client, last_->message);
+    if (!told && !drives(client)) say_to(client, {{"type", "state"}, {"state", to_json(last_->state)}});
+    send_(client, true, last_->message);
   }
 
  private:
@@ -116,7 +114,11 @@ class Audience {
     return float(shown_.size() - 1) / std::max(span.count(), 1e-3F);
   }
 
-  Outlet outlet_;
+  void say_to(ClientId client, const nlohmann::json& message) const {
+    send_(client, false, std::make_shared<const std::string>(text_of(message)));
+  }
+
+  Send send_;
   std::map<ClientId, Member> members_;  ///< in the order in which they came
   std::optional<ClientId> driver_;
   std::optional<SentPicture> last_;

@@ -293,7 +293,7 @@ class Requests {
         head_of(file, PictureKind::snapshot, file.asked.exr ? PictureFormat::exr : PictureFormat::png);
     head.seconds = static_cast<float>(result.stats.seconds);
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-    server_.send_binary(file.client, std::make_shared<const std::string>(picture_message(head, text)));
+    server_.send(file.client, true, std::make_shared<const std::string>(picture_message(head, text)));
   }
 
   void add_to_movie(const FrameResult& result, const File& file) {
@@ -321,7 +321,7 @@ class Requests {
         *side = static_cast<std::uint16_t>(*side + *side % 2);
       if (file.movie->cancelled()) return;
       cancel_movie(file.client, file.asked.id);  // before the answer, after which another may be asked for
-      server_.send_binary(file.client, std::make_shared<const std::string>(picture_message(head, bytes)));
+      server_.send(file.client, true, std::make_shared<const std::string>(picture_message(head, bytes)));
     } catch (const std::exception& e) {
       fail(file, e.what());
     }

@@ -20,20 +20,17 @@
 namespace ringsplat::serve {
 namespace {
 
-class PageViewer final : public Viewer {
+class PageViewer final : public Viewer, ServerEvents {
  public:
   explicit PageViewer(ViewerOptions options)
       : options_(std::move(options)),
         rules_{options_.initial, options_.volume.grid, options_.volume.patient, int(options_.frames.size()),
                options_.largest_side},
-        audience_({[this](ClientId client, std::string text) { server_.send_text(client, std::move(text)); },
-                   [this](ClientId client, std::shared_ptr<const std::string> bytes) {
-                     server_.send_binary(client, std::move(bytes));
-                   }}),
+        audience_([this](auto&&... message) { server_.send(std::move(message)...); }),
         views_(options_),
         requests_(
             server_, [this] { wake(); }, options_),
-        server_(options_.server, events()),
+        server_(options_.server, *this),
         maker_(int(views_.levels().size())) {
     server_.start();
   }
@@ -120,30 +117,8 @@ class PageViewer final : public Viewer {
     Views::Wish wish;
   };
 
-  ServerEvents events() {
-    return {.opened =
-                [this](ClientId client) {
-                  opened(client);
-                  wake();
-                },
-            .received = [this](ClientId client, std::string&& text) { received(client, text); },
-            .refused =
-                [this](ClientId client) { server_.send_text(client, error_text("messages must be texts")); },
-            .closed =
-                [this](ClientId client) {
-                  closed(client);
-                  wake();
-                },
-            .signalled =
-                [this](int number) {
-                  end(number == SIGINT
-                          ? "The server was interrupted."
-                          : "The job was ended from outside: it was cancelled, or one of its ranks died.");
-                }};
-  }
-
-  void opened(ClientId client) {
-    const std::lock_guard lock(mutex_);
+  void opened(ClientId client) override {
+    std::unique_lock lock(mutex_);
     audience_.add(client);
     server_.send_text(client,
                       hello_text(options_, views_.levels(), audience_.drives(client), audience_.size()));
@@ -151,9 +126,11 @@ class PageViewer final : public Viewer {
     if (!told_.empty()) server_.send_text(client, told_);
     audience_.say_who_drives();
     if (!audience_.drives(client)) audience_.catch_up(client);
+    lock.unlock();
+    wake();
   }
 
-  void received(ClientId client, const std::string& text) {
+  void received(ClientId client, const std::string& text) override {
     try {
       std::visit([&](auto&& message) { handle(client, std::move(message)); },
                  parse_client_message(text, rules_));
@@ -165,11 +142,20 @@ class PageViewer final : public Viewer {
     wake();
   }
 
-  void closed(ClientId client) {
+  void refused(ClientId client) override { server_.send_text(client, error_text("messages must be texts")); }
+
+  void closed(ClientId client) override {
     requests_.forget(client);
-    const std::lock_guard lock(mutex_);
+    std::unique_lock lock(mutex_);
     audience_.remove(client);
     audience_.say_who_drives();
+    lock.unlock();
+    wake();
+  }
+
+  void signalled(int number) override {
+    end(number == SIGINT ? "The server was interrupted."
+                         : "The job was ended from outside: it was cancelled, or one of its ranks died.");
   }
 
   void handle(ClientId client, ViewMessage&& view) {

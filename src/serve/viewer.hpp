@@ -135,10 +135,8 @@ struct Probed {
 
 std::string hello_text(const ViewerOptions& options, const std::vector<Level>& levels, bool drives,
                        int viewers);
-std::string driver_text(bool drives, int viewers);
 /// What becomes of a frame of a series: "loading", "shown" from now on, or "failed".
 std::string frame_text(int frame, std::string_view status);
-std::string state_text(const SceneState& scene);
 std::string run_text(const RunState& run);
 std::string probe_text(std::uint32_t id, const Probed& probed);
 /// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO". `id`: of the message that it answers.

@@ -114,16 +114,8 @@ std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels,
                   {"viewers", viewers}});
 }
 
-std::string driver_text(bool drives, int viewers) {
-  return text_of({{"type", "driver"}, {"you", drives}, {"viewers", viewers}});
-}
-
 std::string frame_text(int frame, std::string_view status) {
   return text_of({{"type", "frame"}, {"frame", frame}, {"status", status}});
-}
-
-std::string state_text(const SceneState& scene) {
-  return text_of({{"type", "state"}, {"state", to_json(scene)}});
 }
 
 std::string run_text(const RunState& run) {

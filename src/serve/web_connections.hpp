@@ -6,7 +6,6 @@
 #include <list>
 #include <map>
 #include <memory>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -52,7 +51,7 @@ constexpr ServerLimits limits;
 
 /// What all connections share; only the server's thread uses it.
 struct Shared {
-  ServerEvents events;
+  ServerEvents* events = nullptr;  ///< none once the server goes
   Access access;
   std::string frame_ancestors;          ///< a list of the Content-Security-Policy
   std::map<ClientId, Client*> clients;  ///< that are open; each leaves the map when it goes
@@ -75,7 +74,7 @@ class Client : public std::enable_shared_from_this<Client> {
     --shared_.pages;
     if (!open_) return;
     shared_.clients.erase(id_);
-    shared_.events.closed(id_);
+    if (shared_.events != nullptr) shared_.events->closed(id_);
   }
 
   void accept(http::request<http::empty_body> request) {
@@ -94,7 +93,7 @@ class Client : public std::enable_shared_from_this<Client> {
       if (error || self->shared_.ending) return;
       self->open_ = true;
       self->shared_.clients[self->id_] = self.get();
-      self->shared_.events.opened(self->id_);
+      self->shared_.events->opened(self->id_);
       self->read();
     });
   }
@@ -134,15 +133,11 @@ class Client : public std::enable_shared_from_this<Client> {
 
   void take() {
     if (stream_.got_text())
-      shared_.events.received(id_, beast::buffers_to_string(buffer_.data()));
+      shared_.events->received(id_, beast::buffers_to_string(buffer_.data()));
     else
-      shared_.events.refused(id_);
+      shared_.events->refused(id_);
     buffer_.consume(buffer_.size());
-    wait_until_allowed();
-  }
-
-  /// Does not read on while the client sends too much; TCP then stops it.
-  void wait_until_allowed() {
+    // Does not read on while the client sends too much; TCP then stops it.
     const auto now = Clock::now();
     constexpr double rate = limits.messages_per_second;
     allowance_ =
@@ -189,15 +184,14 @@ class Client : public std::enable_shared_from_this<Client> {
 /// A connection while it asks for the page, until it becomes a page's WebSocket.
 class Visitor : public std::enable_shared_from_this<Visitor> {
  public:
-  Visitor(Shared& shared, tcp::socket&& socket)
-      : shared_(shared),
-        listed_(shared.visitors.insert(shared.visitors.end(), this)),
-        stream_(std::move(socket)) {}
-  ~Visitor() { leave_list(); }
+  Visitor(Shared& shared, tcp::socket&& socket) : shared_(shared), stream_(std::move(socket)) {
+    shared.visitors.push_back(this);
+  }
+  ~Visitor() { shared_.visitors.remove(this); }
 
   /// Ends the connection, so that strangers who say nothing keep nobody out.
   void give_way() {
-    leave_list();
+    shared_.visitors.remove(this);
     stream_.close();
   }
 
@@ -214,10 +208,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
         error == asio::error::operation_aborted || error == asio::error::connection_reset)
       return;
     if (error) return reply(http::status::bad_request, "this is no request\n");
-    answer(parser_.get());
-  }
-
-  void answer(const http::request<http::empty_body>& request) {
+    const auto& request = parser_.get();
     const std::string_view host = view(request[http::field::host]);
     if (request.count(http::field::host) != 1 || !shared_.access.host_allowed(host))
       return reply(http::status::misdirected_request,
@@ -226,7 +217,11 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     if (request.method() != http::verb::get && request.method() != http::verb::head)
       return reply(http::status::method_not_allowed, "only GET\n");
     std::string_view target = view(request.target());
-    if (target == "/token") return judge_token(request);
+    // A page learns nothing from a WebSocket that is refused: it asks here whether its token was wrong.
+    if (target == "/token")
+      return shared_.access.is_token(view(request["Ringsplat-Token"]))
+                 ? reply(http::status::no_content, "")
+                 : reply(http::status::forbidden, "the token is missing or wrong\n");
     target = target.substr(0, target.find_first_of("?#"));
     if (target != "/" && target != "/index.html")
       return reply(http::status::not_found, "there is no such file\n");
@@ -247,13 +242,6 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     if (known) return reply(http::status::not_modified, "", more);
     if (packed) more.set(http::field::content_encoding, "gzip");
     reply(http::status::ok, packed ? page_file.gzipped : page_file.html, more);
-  }
-
-  /// A page learns nothing from a WebSocket that is refused: it asks here whether its token was wrong.
-  void judge_token(const http::request<http::empty_body>& request) {
-    const bool right = shared_.access.is_token(view(request["Ringsplat-Token"]));
-    reply(right ? http::status::no_content : http::status::forbidden,
-          right ? "" : "the token is missing or wrong\n");
   }
 
   void upgrade(std::string_view host) {
@@ -300,12 +288,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
                       });
   }
 
-  void leave_list() {
-    if (listed_) shared_.visitors.erase(*std::exchange(listed_, std::nullopt));
-  }
-
   Shared& shared_;
-  std::optional<std::list<Visitor*>::iterator> listed_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   http::request_parser<http::empty_body> parser_;

@@ -27,9 +27,9 @@ std::string host_and_port(const asio::ip::address& address, int port) {
 }  // namespace
 
 struct WebServer::Impl {
-  Impl(const ServerOptions& options, ServerEvents events)
+  Impl(const ServerOptions& options, ServerEvents& events)
       : acceptor_(shared_.io), pause_(shared_.io), signals_(shared_.io) {
-    shared_.events = std::move(events);
+    shared_.events = &events;
     bind(options);
     std::vector<std::string> hosts{fmt::format("127.0.0.1:{}", port_), fmt::format("localhost:{}", port_),
                                    fmt::format("[::1]:{}", port_), name_};
@@ -41,13 +41,6 @@ struct WebServer::Impl {
     signals_.add(SIGINT);
     signals_.add(SIGTERM);
     wait_for_signal();
-  }
-
-  void send(ClientId id, bool binary, std::shared_ptr<const std::string> bytes) {
-    asio::post(shared_.io, [this, id, binary, bytes = std::move(bytes)] {
-      const auto client = shared_.clients.find(id);
-      if (client != shared_.clients.end()) client->second->send(binary, bytes);
-    });
   }
 
   void end(const std::shared_ptr<const std::string>& last_text) {
@@ -65,23 +58,23 @@ struct WebServer::Impl {
 
   void bind(const ServerOptions& options) {
     error_code error;
-    address_ = asio::ip::make_address(options.address, error);
+    const asio::ip::address address = asio::ip::make_address(options.address, error);
     if (error)
       throw InputError(fmt::format("--bind {} is no IP address", options.address),
                        "leave it out, or give for instance 0.0.0.0");
-    const tcp::endpoint endpoint(address_, static_cast<unsigned short>(options.port));
+    const tcp::endpoint endpoint(address, static_cast<unsigned short>(options.port));
     acceptor_.open(endpoint.protocol(), error);
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
     if (!error) acceptor_.bind(endpoint, error);
     if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
     if (error)
-      throw InputError(fmt::format("the server cannot listen at {}: {}",
-                                   host_and_port(address_, options.port), error.message()),
+      throw InputError(fmt::format("the server cannot listen at {}: {}", host_and_port(address, options.port),
+                                   error.message()),
                        "choose another --port; 0 takes any that is free");
     port_ = acceptor_.local_endpoint().port();
     const std::string machine = host_name();
-    name_ = address_.is_unspecified() ? fmt::format("{}:{}", machine.empty() ? "localhost" : machine, port_)
-                                      : host_and_port(address_, port_);
+    name_ = address.is_unspecified() ? fmt::format("{}:{}", machine.empty() ? "localhost" : machine, port_)
+                                     : host_and_port(address, port_);
   }
 
   void accept() {
@@ -94,16 +87,11 @@ struct WebServer::Impl {
         });
         return;
       }
-      welcome(std::move(socket));
+      if (shared_.visitors.size() >= limits.visitors) shared_.visitors.front()->give_way();
+      socket.set_option(tcp::no_delay(true), error);  // it works without
+      std::make_shared<Visitor>(shared_, std::move(socket))->read();
       accept();
     });
-  }
-
-  void welcome(tcp::socket&& socket) {
-    if (shared_.visitors.size() >= limits.visitors) shared_.visitors.front()->give_way();
-    error_code ignored;
-    socket.set_option(tcp::no_delay(true), ignored);
-    std::make_shared<Visitor>(shared_, std::move(socket))->read();
   }
 
   /// When all clients have closed, or there is no more time for that.
@@ -119,14 +107,13 @@ struct WebServer::Impl {
   void wait_for_signal() {
     signals_.async_wait([this](error_code error, int number) {
       if (error) return;
-      shared_.events.signalled(number);
+      shared_.events->signalled(number);
       wait_for_signal();
     });
   }
 
   Shared shared_;
   std::string name_;
-  asio::ip::address address_;
   int port_ = 0;
   tcp::acceptor acceptor_;
   asio::steady_timer pause_;
@@ -135,15 +122,15 @@ struct WebServer::Impl {
   std::thread thread_;
 };
 
-WebServer::WebServer(const ServerOptions& options, ServerEvents events)
-    : impl_(std::make_unique<Impl>(options, std::move(events))) {}
+WebServer::WebServer(const ServerOptions& options, ServerEvents& events)
+    : impl_(std::make_unique<Impl>(options, events)) {}
 
 WebServer::~WebServer() {
   asio::post(impl_->shared_.io, [this] {
     if (!impl_->shared_.ending) impl_->shared_.io.stop();  // otherwise end() has seen to it
   });
   if (impl_->thread_.joinable()) impl_->thread_.join();
-  impl_->shared_.events.closed = [](ClientId) {};
+  impl_->shared_.events = nullptr;
 }
 
 void WebServer::start() {
@@ -163,12 +150,10 @@ std::string WebServer::url() const {
   return fmt::format("http://{}/#{}", impl_->name_, impl_->shared_.access.token);
 }
 
-void WebServer::send_text(ClientId client, std::string text) {
-  impl_->send(client, false, std::make_shared<const std::string>(std::move(text)));
-}
-
-void WebServer::send_binary(ClientId client, std::shared_ptr<const std::string> bytes) {
-  impl_->send(client, true, std::move(bytes));
+void WebServer::send(ClientId id, bool binary, std::shared_ptr<const std::string> bytes) {
+  asio::post(impl_->shared_.io, [&clients = impl_->shared_.clients, id, binary, bytes = std::move(bytes)] {
+    if (const auto client = clients.find(id); client != clients.end()) client->second->send(binary, bytes);
+  });
 }
 
 void WebServer::end(std::string last_text) {

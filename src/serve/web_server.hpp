@@ -1,8 +1,8 @@
 #pragma once
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace ringsplat::serve {
@@ -20,20 +20,24 @@ struct ServerOptions {
 };
 
 /// Called on the server's thread; must return soon and throw nothing.
-struct ServerEvents {
-  std::function<void(ClientId)> opened;
-  std::function<void(ClientId, std::string&& text)> received;
-  std::function<void(ClientId)> refused;      ///< the client sent a message that is no text
-  std::function<void(ClientId)> closed;       ///< once for each that was opened
-  std::function<void(int signal)> signalled;  ///< SIGINT or SIGTERM
+class ServerEvents {
+ public:
+  virtual void opened(ClientId client) = 0;
+  virtual void received(ClientId client, const std::string& text) = 0;
+  virtual void refused(ClientId client) = 0;  ///< the client sent a message that is no text
+  virtual void closed(ClientId client) = 0;   ///< once for each that was opened
+  virtual void signalled(int number) = 0;     ///< SIGINT or SIGTERM
+
+ protected:
+  ~ServerEvents() = default;
 };
 
 /// Serves the page's files and WebSocket connections by one thread of its own, which never calls MPI. All
 /// functions may be called by any thread.
 class WebServer {
  public:
-  /// Binds the port. Throws InputError when the address or port cannot be had.
-  WebServer(const ServerOptions& options, ServerEvents events);
+  /// Binds the port. `events` must outlive this. Throws InputError when the address or port cannot be had.
+  WebServer(const ServerOptions& options, ServerEvents& events);
   /// Closes all connections at once.
   ~WebServer();
 
@@ -42,10 +46,11 @@ class WebServer {
   /// The page's, with the token, which gives whoever reads it the right to connect.
   std::string url() const;
 
-  /// To a client that is gone: nothing happens.
-  void send_text(ClientId client, std::string text);
-  /// Clients may share the bytes.
-  void send_binary(ClientId client, std::shared_ptr<const std::string> bytes);
+  /// To a client that is gone: nothing happens. Clients may share the bytes.
+  void send(ClientId client, bool binary, std::shared_ptr<const std::string> bytes);
+  void send_text(ClientId client, std::string text) {
+    send(client, false, std::make_shared<const std::string>(std::move(text)));
+  }
   /// Sends a last text to all clients, closes the connections, and takes no more. Returns at once; the
   /// destructor waits up to a second for slow clients.
   void end(std::string last_text);

@@ -10,10 +10,12 @@ namespace {
 struct Heard {
   std::map<ClientId, std::vector<int>> pictures;
   std::map<ClientId, int> texts;
-  Audience audience{{[this](ClientId client, const std::string&) { ++texts[client]; },
-                     [this](ClientId client, const auto&) {
-                       pictures[client].push_back(int(audience.last()->head.number));
-                     }}};
+  Audience audience{[this](ClientId client, bool binary, const auto&) {
+    if (binary)
+      pictures[client].push_back(int(audience.last()->head.number));
+    else
+      ++texts[client];
+  }};
 
   void show(std::uint64_t scene = 1) {
     audience.show({std::make_shared<const std::string>(picture_message({}, "file")), {}, {}, scene});
