@@ -23,8 +23,13 @@ struct Dealer {
   std::map<int, SliceStore> stores = {};
 
   std::map<int, SliceStore> run() {
-    for (int gp = 0; gp < sharing.dealing.gps; ++gp)
-      if (sharing.hosts(gp)) stores.emplace(gp, new_store(gp)).first->second.know_normals_within(lit);
+    for (int gp = 0; gp < sharing.dealing.gps; ++gp) {
+      if (!sharing.hosts(gp)) continue;
+      const SliceStore* known = deal.known != nullptr ? &deal.known->at(gp) : nullptr;
+      const LoadOptions& o = deal.options;
+      stores.emplace(gp, SliceStore(grid, gp, sharing.dealing, o.kept_axes, o.with_normals, known));
+      stores.at(gp).know_normals_within(lit);
+    }
     const int batch = batch_of(grid);
     for (int z = 0; z < grid.dims.z;) {
       const int end = std::min({grid.dims.z, z + batch, supply.available_from(z)});
@@ -35,12 +40,6 @@ struct Dealer {
       z = end;
     }
     return std::move(stores);
-  }
-
-  SliceStore new_store(int gp) const {
-    const SliceStore* known = nullptr;
-    if (deal.known != nullptr) known = &deal.known->at(gp);
-    return {grid, gp, sharing.dealing, deal.options.kept_axes, deal.options.with_normals, known};
   }
 
   bool needed_by(int process, int z, int z0, int z1) const {
@@ -59,7 +58,14 @@ struct Dealer {
       for (int z = z0; z < z1; ++z)
         if (sharing.hosts(sharing.dealing.owner_of(z))) send_slice(z, out);
     });
-    for (const auto& block : sharing.collectives.all_to_all(std::move(out))) place_lines(block);
+    for (const Block& block : sharing.collectives.all_to_all(std::move(out)))
+      for (std::size_t at = 0; at < block.size();) {
+        const int z = next_value<int>(block, at);
+        const Axis axis = next_value<Axis>(block, at);
+        SliceStore& store = stores.at(next_value<int>(block, at));
+        const auto size = next_value<std::uint64_t>(block, at);
+        store.unpack_columns(axis, z, next_bytes(block, at, size));
+      }
   }
 
   void send_slice(int z, std::vector<Block>& out) {
@@ -112,16 +118,6 @@ struct Dealer {
     for (int y = 0; y < part.dims.y; ++y)
       std::copy_n(within.begin() + y * width, width,
                   normals.begin() + std::ptrdiff_t(lit.first.y + y) * grid.dims.x + lit.first.x);
-  }
-
-  void place_lines(std::span<const std::byte> block) {
-    for (std::size_t at = 0; at < block.size();) {
-      const int z = next_value<int>(block, at);
-      const Axis axis = next_value<Axis>(block, at);
-      SliceStore& store = stores.at(next_value<int>(block, at));
-      const auto size = next_value<std::uint64_t>(block, at);
-      store.unpack_columns(axis, z, next_bytes(block, at, size));
-    }
   }
 };
 

@@ -6,7 +6,6 @@
 
 #include "net/collectives.hpp"
 #include "ringsplat/volume/reduced.hpp"
-#include "ringsplat/volume/source.hpp"
 #include "ringsplat/volume/strides.hpp"
 #include "ringsplat/volume/voxel_box.hpp"
 #include "scene/scene.hpp"

@@ -44,21 +44,13 @@ double share_of(const LoadOptions& options, int factor = 1) {
   return 1.0 / factor / sum;
 }
 
-/// What process 0 tells the others of the volume it has opened.
-struct Known {
-  Grid grid;
-  bool concurrent = false;
-  int layer_depth = 1;
-  std::optional<double> fill;  ///< what the values' statistics leave out
-};
-
 }  // namespace
 
 Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, const Sharing& sharing) {
   if (options.clip) check(*options.clip, volume.grid);
   Scene scene;
   scene.grid = volume.grid;
-  const bool whole = std::find(options.factors.begin(), options.factors.end(), 1) != options.factors.end();
+  const bool whole = std::ranges::count(options.factors, 1) > 0;
   // Statistics are the full volume's at every level, so that presets do not change with the level.
   const LoadOptions values_only{{false, false, true}, false};
   double begun = share_of(options);
@@ -102,17 +94,15 @@ Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores
     share_ranges(dealt, options, sharing);
     return dealt;
   };
-  const auto asked = [&](int factor) {
-    return std::find(options.factors.begin(), options.factors.end(), factor) != options.factors.end();
-  };
+  const bool whole = std::ranges::count(options.factors, 1) > 0;
   const bool more_than_z = options.with_normals || options.kept_axes[0] || options.kept_axes[1];
-  if (asked(1) && more_than_z) {
+  if (whole && more_than_z) {
     scene.stores = deal({});
   } else {
-    const std::array<bool, 3> kept{false, false, asked(1) && options.kept_axes[2]};
+    const std::array<bool, 3> kept{false, false, whole && options.kept_axes[2]};
     for (const auto& [gp, store] : stores)
       scene.stores.emplace(gp, SliceStore(grid, gp, sharing.dealing, kept, false, &store));
-    if (asked(1)) share_ranges(scene.stores, options, sharing);
+    if (whole) share_ranges(scene.stores, options, sharing);
   }
   for (const int factor : options.factors)
     if (factor > 1)
@@ -136,17 +126,12 @@ OpenedVolume open_everywhere(Collectives& collectives,
   };
   const bool is_first = collectives.process() == 0;
   agree(collectives, is_first ? input_error_of(open_it) : std::string());
-
-  Block block;
+  Block known;
   if (volume.source)
-    block = to_bytes(Known{volume.source->grid(), volume.source->concurrent(), volume.source->layer_depth(),
-                           volume.notes.fill});
-  block = collectives.broadcast(std::move(block), 0);
-  const auto known = value_of<Known>(block, "a volume's grid");
-  volume.grid = known.grid;
-  volume.concurrent = known.concurrent;
-  volume.layer_depth = known.layer_depth;
-  volume.notes.fill = known.fill;
+    known = to_bytes(volume.source->grid(), volume.source->concurrent(), volume.source->layer_depth(),
+                     volume.notes.fill);
+  read_block(collectives.broadcast(std::move(known), 0), "a volume's grid", volume.grid, volume.concurrent,
+             volume.layer_depth, volume.notes.fill);
   if (!volume.concurrent) return volume;
   agree(collectives, is_first ? std::string() : input_error_of(open_it));
   require_same(collectives, volume.facts, fmt::format("sees another volume at {}", name),

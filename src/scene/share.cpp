@@ -46,18 +46,6 @@ void give_around(std::map<int, SliceStore>& stores, const SliceStore& owner, Axi
   }
 }
 
-void take_given(std::span<const std::byte> in, Axis axis, std::map<int, SliceStore>& stores) {
-  for (std::size_t at = 0; at < in.size();) {
-    const auto head = next_value<Head>(in, at);
-    SliceStore& store = stores.at(head.gp);
-    const Grid& grid = store.grid();
-    store.know_cell_ranges(
-        axis, head.slice,
-        std::make_shared<const CellRanges>(grid.type, grid.slice_width(axis), grid.slice_height(axis),
-                                           next_bytes(in, at, head.bytes)));
-  }
-}
-
 }  // namespace
 
 std::vector<float> points_of(const VolumeSketch& sketch, const SliceView& slice) {
@@ -106,7 +94,16 @@ void share_cell_ranges(std::map<int, SliceStore>& stores, const Sharing& sharing
     for_each_owned(stores, axis, [&](const SliceStore& owner, int s) {
       give_around(stores, owner, axis, s, sharing, out);
     });
-    for (const Block& block : sharing.collectives.all_to_all(std::move(out))) take_given(block, axis, stores);
+    for (const Block& in : sharing.collectives.all_to_all(std::move(out)))
+      for (std::size_t at = 0; at < in.size();) {
+        const auto head = next_value<Head>(in, at);
+        SliceStore& store = stores.at(head.gp);
+        const Grid& grid = store.grid();
+        store.know_cell_ranges(
+            axis, head.slice,
+            std::make_shared<const CellRanges>(grid.type, grid.slice_width(axis), grid.slice_height(axis),
+                                               next_bytes(in, at, head.bytes)));
+      }
   }
 }
 

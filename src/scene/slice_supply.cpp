@@ -50,7 +50,12 @@ class SendingSupply : public SliceSupply {
       }
     }
     received_.clear();
-    for (const auto& in : collectives_.all_to_all(std::move(out))) receive(in);
+    for (const Block& in : collectives_.all_to_all(std::move(out)))
+      for (std::size_t at = 0; at < in.size();) {
+        const int z = next_value<int>(in, at);
+        const auto values = next_bytes(in, at, slice_bytes_);
+        received_[z].assign(values.begin(), values.end());
+      }
   }
 
   const std::byte* slice(int z) final {
@@ -67,14 +72,6 @@ class SendingSupply : public SliceSupply {
   Collectives& collectives_;
 
  private:
-  void receive(const Block& in) {
-    for (std::size_t at = 0; at < in.size();) {
-      const int z = next_value<int>(in, at);
-      const auto values = next_bytes(in, at, slice_bytes_);
-      received_[z].assign(values.begin(), values.end());
-    }
-  }
-
   std::map<int, Block> received_;  ///< for the batch
 };
 

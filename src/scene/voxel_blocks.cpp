@@ -103,20 +103,6 @@ std::string why_wrong(const Grid& grid, const std::vector<VoxelBlock>& blocks) {
   return {};
 }
 
-std::vector<PlacedBlock> gather_extents(const std::vector<VoxelBlock>& mine, Collectives& collectives) {
-  std::vector<VoxelBox> extents;
-  for (const VoxelBlock& block : mine) extents.push_back(block.extent);
-  std::vector<PlacedBlock> placed;
-  int process = 0;
-  for (const Block& one : collectives.all_gather(to_bytes(extents))) {
-    int number = 0;
-    for (const VoxelBox& extent : value_of<std::vector<VoxelBox>>(one, "its blocks' extents"))
-      placed.push_back({extent, process, number++});
-    ++process;
-  }
-  return placed;
-}
-
 struct BlockDealer {
   const Grid& grid;
   const std::vector<VoxelBlock>& blocks;
@@ -133,7 +119,9 @@ struct BlockDealer {
     const std::uint64_t most = agree_on_most();
     const int at_once = int(std::clamp<std::uint64_t>(round_bytes / std::max<std::uint64_t>(1, most), 1,
                                                       std::uint64_t(processes)));
-    place_own();
+    for (const Parcel& parcel : parcels_for(collectives.process()))
+      for (const Rows& rows : parcel)
+        copy(rows, voxel(rows.z, rows.y, blocks[std::size_t(rows.block)].extent.first.x), slice_row());
     for (int first = 1; first < processes; first += at_once) {
       const int end = std::min(processes, first + at_once);
       std::vector<std::vector<Parcel>> parcels;
@@ -224,12 +212,6 @@ struct BlockDealer {
     return to + bytes_of(rows);
   }
 
-  void place_own() {
-    for (const Parcel& parcel : parcels_for(collectives.process()))
-      for (const Rows& rows : parcel)
-        copy(rows, voxel(rows.z, rows.y, blocks[std::size_t(rows.block)].extent.first.x), slice_row());
-  }
-
   std::size_t slice_row() const { return std::size_t(grid.dims.x) * scalar; }
 
   /// Where a voxel of one of this process's slices lies.
@@ -253,7 +235,16 @@ struct BlockDealer {
 
 void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collectives& collectives) {
   agree(collectives, why_wrong(grid, mine));
-  const std::vector<PlacedBlock> all = gather_extents(mine, collectives);
+  std::vector<VoxelBox> extents;
+  for (const VoxelBlock& block : mine) extents.push_back(block.extent);
+  std::vector<PlacedBlock> all;
+  int process = 0;
+  for (const Block& one : collectives.all_gather(to_bytes(extents))) {
+    int number = 0;
+    for (const VoxelBox& extent : value_of<std::vector<VoxelBox>>(one, "its blocks' extents"))
+      all.push_back({extent, process, number++});
+    ++process;
+  }
   agree_after(collectives, [&] {
     if (collectives.process() == 0) check_cover(grid, all);
   });

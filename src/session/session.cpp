@@ -147,17 +147,11 @@ struct Session::State {
     deal_blocks(*grid, blocks, slices, round_bytes, sharing);
   }
 
-  const ValueStatistics& values() {
-    if (!known_values) known_values = share_values(slices, *committed_grid, {}, wiring.collectives);
-    return *known_values;
-  }
-
   /// What frames need that need all this.
   Scene scene_for(const LoadOptions& needed) {
     if (!scene || !covers(made, needed)) {
-      LoadOptions all = needed;
-      if (scene) add_needs(all, made);
-      made = all;
+      const LoadOptions before = std::exchange(made, needed);
+      if (scene) add_needs(made, before);
       scene.reset();
       scene = deal_scene_again(*committed_grid, slices, made, sharing_of(layout, wiring));
     }
@@ -235,16 +229,15 @@ const ValueStatistics& SessionParts::values(Session& session, const char* call) 
   const PlainFloats floats;
   Session::State& s = *session.state_;
   s.enter(call, input_error_of([&] { static_cast<void>(s.committed()); }));
-  return s.values();
+  if (!s.known_values) s.known_values = share_values(s.slices, *s.committed_grid, {}, s.wiring.collectives);
+  return *s.known_values;
 }
 
 TransferFunction Session::transfer_function(const std::string& name) {
   const PlainFloats floats;
-  State& s = *state_;
-  s.enter("transfer_function", input_error_of([&] { static_cast<void>(s.committed()); }));
-  const ValueStatistics& values = s.values();
+  const ValueStatistics& values = SessionParts::values(*this, "transfer_function");
   TransferFunction made;
-  agree_after(s.wiring.collectives, [&] {
+  agree_after(state_->wiring.collectives, [&] {
     made = name == "auto" ? choose_function(values).function : preset(name, values.histogram);
   });
   return made;
