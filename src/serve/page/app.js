@@ -114,7 +114,8 @@ class App {
     this.fills = hello.state.camera.zoom === 1;  // nobody chose another
     showVolume(volume);
     this.stage.forget();
-    this.stage.setLargest(hello.largest);
+    this.stage.largest = hello.largest;
+    this.stage.resize();
     this.viewPanel.begin(volume.patient);
     const kept = resumes ? this.scene.state : hello.driver ? this.brought : {};
     this.brought = undefined;
@@ -221,9 +222,6 @@ class App {
     if (frame !== undefined) rest.frame = Math.min(frame, this.hello.frames.length - 1);
     return rest;
   }
-  wholeState(part) {
-    return { ...this.hello.state, ...this.fitting(part), camera: { ...this.hello.state.camera, ...part.camera } };
-  }
 
   /** A step of undo ends here. */
   commit() {
@@ -273,9 +271,6 @@ class App {
 
   probe(place) {
     if (this.scene.state) this.probing.ask(place);
-  }
-  probeAtCross() {
-    this.probe(this.probing.cross ?? this.gestures.cursor ?? this.probing.middle());
   }
   quiet() {
     this.film.stop();

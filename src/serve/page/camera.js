@@ -7,18 +7,13 @@ const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a
 export const sum = (...terms) => [0, 1, 2].map((k) => terms.reduce((total, [s, v]) => total + s * v[k], 0));
 export const length = (a) => Math.hypot(...a);
 
-/** The picture's directions in the world before it is rolled. */
-function uprightBasis(azimuth, elevation) {
-  const [sa, ca] = [Math.sin(azimuth * degree), Math.cos(azimuth * degree)];
-  const [se, ce] = [Math.sin(elevation * degree), Math.cos(elevation * degree)];
-  return { right: [ca, sa, 0], up: [-se * sa, se * ca, ce], viewer: [ce * sa, -ce * ca, se] };
-}
-
 /** The picture's directions in the world: right, up, and to the viewer. */
 export function basisOf({ azimuth, elevation, roll }) {
-  const { right, up, viewer } = uprightBasis(azimuth, elevation);
+  const [sa, ca] = [Math.sin(azimuth * degree), Math.cos(azimuth * degree)];
+  const [se, ce] = [Math.sin(elevation * degree), Math.cos(elevation * degree)];
   const [s, c] = [Math.sin(roll * degree), Math.cos(roll * degree)];
-  return { right: sum([c, right], [s, up]), up: sum([c, up], [-s, right]), viewer };
+  const right = [ca, sa, 0], up = [-se * sa, se * ca, ce];
+  return { right: sum([c, right], [s, up]), up: sum([c, up], [-s, right]), viewer: [ce * sa, -ce * ca, se] };
 }
 
 /** The angles of a basis. Straight above or below the volume, roll is 0 and azimuth says it all. */
@@ -27,7 +22,7 @@ export function anglesOf({ right, viewer }) {
   if (Math.hypot(viewer[0], viewer[1]) < 1e-9)
     return { azimuth: Math.atan2(right[1], right[0]) / degree, elevation: 90 * Math.sign(viewer[2]), roll: 0 };
   const azimuth = Math.atan2(viewer[0], -viewer[1]) / degree;
-  const upright = uprightBasis(azimuth, elevation);
+  const upright = basisOf({ azimuth, elevation, roll: 0 });
   return { azimuth, elevation, roll: Math.atan2(dot(right, upright.up), dot(right, upright.right)) / degree };
 }
 
@@ -100,18 +95,13 @@ export function boundingRadius(volume) {
   return Math.max(...corners.map((ends) => length(inWorld(volume, volume.dims.map((n, k) => 0.5 * n * ends[k])))));
 }
 
-/** World lengths that the picture's shorter side shows at zoom 1, at the depth of the volume's centre. */
-function shownSide(camera, volume) {
-  const radius = boundingRadius(volume);
-  const far = camera.fov > 0 && camera.distance > 0;
-  return 2 * radius * (far ? camera.distance * Math.tan(0.5 * camera.fov * degree) : 1);
-}
-
 /** How lattice points are seen in a picture of width by height. */
 export function viewOf(camera, volume, width, height) {
   const axes = latticeAxes(volume), basis = basisOf(camera), side = Math.min(width, height);
-  const shown = shownSide(camera, volume), pixelsPerUnit = camera.zoom * side / shown;
-  const eye = camera.fov > 0 ? 0.5 * shown / Math.tan(0.5 * camera.fov * degree) : Infinity;
+  const slope = Math.tan(0.5 * camera.fov * degree), far = camera.fov > 0 && camera.distance > 0;
+  // World lengths that the shorter side shows at zoom 1, at the depth of the volume's centre.
+  const shown = 2 * boundingRadius(volume) * (far ? camera.distance * slope : 1);
+  const pixelsPerUnit = camera.zoom * side / shown, eye = camera.fov > 0 ? 0.5 * shown / slope : Infinity;
   const centre = [0.5 * width + camera.pan[0] * side, 0.5 * height + camera.pan[1] * side];
   const project = (lattice) => {
     const world = sum(...lattice.map((l, k) => [l - 0.5 * (volume.dims[k] - 1), axes[k]]));

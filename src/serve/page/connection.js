@@ -57,7 +57,11 @@ export class Connection {
     };
     socket.onclose = async () => {
       if (this.status === 'connecting' && (await isWrong(this.token())) && socket === this.socket) this.become('refused');
-      else if (socket === this.socket && this.status !== 'ended') this.retry();
+      else if (socket === this.socket && this.status !== 'ended') {
+        this.become('lost');
+        this.timer = setTimeout(() => this.open(), this.wait * (0.75 + 0.5 * Math.random()));
+        this.wait = Math.min(2 * this.wait, longestWait);
+      }
     };
   }
 
@@ -76,12 +80,6 @@ export class Connection {
     this.socket = null;
     this.become('lost');
     old?.close(1000);
-  }
-
-  retry() {
-    this.become('lost');
-    this.timer = setTimeout(() => this.open(), this.wait * (0.75 + 0.5 * Math.random()));
-    this.wait = Math.min(2 * this.wait, longestWait);
   }
 
   take(data) {

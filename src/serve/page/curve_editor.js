@@ -17,7 +17,11 @@ export class CurveEditor {
       const canvas = byId(id);
       onDrag(app, canvas, { begin: (event) => this.take(event, canvas, which),
                             move: (event) => this.move(event, canvas), end: () => app.commit() });
-      canvas.addEventListener('contextmenu', (event) => this.removeAt(event, canvas, which));
+      canvas.addEventListener('contextmenu', (event) => {
+        event.preventDefault();
+        const index = this.indexAt(event, canvas, which);
+        if (index >= 0) this.remove(which, index);
+      });
       onKeys(app, canvas, this.keys(which));
       new ResizeObserver(() => this.draw()).observe(canvas);
     }
@@ -75,12 +79,6 @@ export class CurveEditor {
     const { tf, index } = withPoint(this.tf, which, point);
     this.app.transfer.edit(tf);
     return index;
-  }
-
-  removeAt(event, canvas, which) {
-    event.preventDefault();
-    const index = this.indexAt(event, canvas, which);
-    if (index >= 0) this.remove(which, index);
   }
 
   remove(which = this.selected.which, index = this.selected.index) {

@@ -111,7 +111,6 @@ export function fitCanvas(canvas) {
   return { context, width, height };
 }
 
-/** The value of one of the style sheet's colours. */
 export const themeColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 /** Colours as style sheets and colour fields have them. */

@@ -26,7 +26,9 @@ export class FilmPanel {
 
   /** Key frames from outside. */
   take(list) {
-    this.set(list.map((frame) => this.app.wholeState(checkedState(frame).state)));
+    const { hello } = this.app, whole = (part) =>
+      ({ ...hello.state, ...this.app.fitting(part), camera: { ...hello.state.camera, ...part.camera } });
+    this.set(list.map((frame) => whole(checkedState(frame).state)));
   }
 
   set(frames) {
@@ -106,9 +108,9 @@ export class FilmPanel {
     try {
       if (byId('film-format').value === 'mp4') download(`${stem}.mp4`, await this.movie(width, height, count));
       else download(`${stem}-frames.zip`, zip(await this.pictures(width, height, count, stem)));
-      this.say(`${count} frames rendered`);
+      byId('film-words').textContent = `${count} frames rendered`;
     } catch (error) {
-      this.say(this.job.signal.aborted ? 'cancelled' : '');
+      byId('film-words').textContent = this.job.signal.aborted ? 'cancelled' : '';
       if (!this.job.signal.aborted) showError(`The film was not rendered: ${error.message}`);
     }
     this.job = null;
@@ -117,16 +119,12 @@ export class FilmPanel {
     byId('film-progress').hidden = true;
   }
 
-  say(words) {
-    byId('film-words').textContent = words;
-  }
-
   /** What the server answers to a question for each frame, whatever becomes of the key frames meanwhile. */
   async *answers(count, question) {
     const { frames } = this;
     for (let index = 0; index < count; ++index) {
       byId('film-progress').value = index;
-      this.say(`${index} of ${count}`);
+      byId('film-words').textContent = `${index} of ${count}`;
       const state = sceneAt(frames, (index / (count - 1)) * (frames.length - 1), this.app.volume.dims);
       yield await this.app.connection.ask({ ...question, index, state }, this.job.signal);
     }

@@ -21,7 +21,7 @@ export class FramePanel {
     this.stop();
     byId('series').hidden = this.count < 2;
     byId('frame').max = this.count - 1;
-    this.say('');
+    byId('frame-words').textContent = '';
     this.refresh();
   }
 
@@ -80,24 +80,18 @@ export class FramePanel {
     this.next();
   }
 
-  /** A picture of the present frame is on the canvas. */
   pictureShown() {
     if (this.count < 2) return;
     this.seen = this.frame;
-    this.say('');
+    byId('frame-words').textContent = '';
     if (this.playing && !this.timer) this.advance();
   }
 
-  /** What the server says of a frame. */
   told({ frame, status }) {
-    this.say(status === 'loading' ? `loading ${this.names[frame]}` : '');
+    byId('frame-words').textContent = status === 'loading' ? `loading ${this.names[frame]}` : '';
     if (status !== 'failed') return;
     this.stop();
     if (this.app.driving && frame === this.frame) this.go(this.seen);
-  }
-
-  say(words) {
-    byId('frame-words').textContent = words;
   }
 
   refresh() {

@@ -14,7 +14,6 @@ export class Probe {
     this.places = [];  // on the lattice, the last three
   }
 
-  /** Asks at a place of the canvas. */
   async ask(place) {
     this.cross = place;
     this.app.redraw();

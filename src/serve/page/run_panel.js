@@ -34,7 +34,6 @@ export class RunPanel {
     this.steer(this.run?.paused ? 'resume' : 'pause');
   }
 
-  /** What the server says of the simulation. */
   told(run) {
     if (run.step !== this.run?.step) this.app.slices.ask();
     const known = this.run?.parameters.map(({ name }) => name).join();
@@ -77,31 +76,27 @@ export class RunPanel {
     this.recorded = [];
     this.recording = true;
     this.steer('pause');
+    const { app, recorded } = this, { width, height } = app.stage.canvas, stem = fileStem(app.volume.name);
+    const say = (words) => { byId('run-record').textContent = words; };
+    say('Stop (0)');
+    let step = null, bytes = 0;
     try {
-      await this.takeSteps();
+      while (await this.until((run) => run.paused && run.step !== step)) {
+        const { blob } = await app.connection.ask({ type: 'snapshot', width, height, format: 'png', state: app.scene.state });
+        step = this.run.step;  // is told before its picture comes
+        recorded.push({ name: `${stem}-${String(step).padStart(6, '0')}.png`, bytes: new Uint8Array(await blob.arrayBuffer()) });
+        say(`Stop (${recorded.length})`);
+        bytes += blob.size;
+        if (recorded.length === mostMembers || bytes > mostBytes / 2) break;
+        this.steer('step');
+      }
     } catch (error) {
       showError(`Recording ended: ${error.message}`);
     }
     this.steer('resume');
-    const members = this.recorded;
     this.recorded = null;
-    byId('run-record').textContent = 'Record';
-    if (members.length) download(`${fileStem(this.app.volume.name)}-steps.zip`, zip(members));
-  }
-  async takeSteps() {
-    const { app, recorded } = this, { width, height } = app.stage.canvas, stem = fileStem(app.volume.name);
-    const say = () => { byId('run-record').textContent = `Stop (${recorded.length})`; };
-    say();
-    let step = null, bytes = 0;
-    while (await this.until((run) => run.paused && run.step !== step)) {
-      const { blob } = await app.connection.ask({ type: 'snapshot', width, height, format: 'png', state: app.scene.state });
-      step = this.run.step;  // is told before its picture comes
-      recorded.push({ name: `${stem}-${String(step).padStart(6, '0')}.png`, bytes: new Uint8Array(await blob.arrayBuffer()) });
-      say();
-      bytes += blob.size;
-      if (recorded.length === mostMembers || bytes > mostBytes / 2) return;
-      this.steer('step');
-    }
+    say('Record');
+    if (recorded.length) download(`${stem}-steps.zip`, zip(recorded));
   }
   /** Whether what is told of the simulation became as `condition` wants, before recording was stopped. */
   until(condition) {

@@ -5,20 +5,16 @@ import { byId } from './dom.js';
 export const mostPlanes = 2;
 
 const isNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite);
-const isRgb = (list) => isNumbers(list, 3) && list.every((c) => c >= 0 && c <= 1);
-const isAscending = (points) => points.every((p, i) => i === 0 || p[0] >= points[i - 1][0]);
-
-function isTransferFunction(tf) {
-  const arePoints = (list, size) =>
-    Array.isArray(list) && list.length >= 2 && isAscending(list) &&
-    list.every((p) => isNumbers(p, size) && p.slice(1).every((c) => c >= 0 && c <= 1));
-  return typeof tf === 'object' && tf !== null && arePoints(tf.colours, 4) && arePoints(tf.opacities, 2);
-}
+const areShares = (list) => list.every((c) => c >= 0 && c <= 1);
+const isRgb = (list) => isNumbers(list, 3) && areShares(list);
+const arePoints = (list, size) => Array.isArray(list) && list.length >= 2 && list.every((p, i) =>
+  isNumbers(p, size) && areShares(p.slice(1)) && (i === 0 || p[0] >= list[i - 1][0]));
 
 const checks = {
   camera: (c) => typeof c === 'object' && c !== null && Object.entries(c).every(([key, value]) =>
     (key === 'pan' ? isNumbers(value, 2) : Number.isFinite(value)) && (key !== 'zoom' || value > 0)),
-  transfer_function: isTransferFunction,
+  transfer_function: (tf) =>
+    typeof tf === 'object' && tf !== null && arePoints(tf.colours, 4) && arePoints(tf.opacities, 2),
   mode: (m) => [...byId('mode').options].some(({ value }) => value === m),
   isovalue: Number.isFinite,
   shading: (s) => s === 'phong' || s === 'none',

@@ -42,6 +42,7 @@ export class Stage {
     }, { once: true });
   }
 
+  /** To its place, but no larger than the server draws. */
   resize() {
     if (!this.place) return;
     const [width, height] = this.place;
@@ -50,11 +51,6 @@ export class Stage {
     if (this.canvas.width === size[0] && this.canvas.height === size[1]) return;
     [this.canvas.width, this.canvas.height] = size;
     this.draw();
-  }
-
-  setLargest(largest) {
-    this.largest = largest;
-    this.resize();
   }
 
   /** Pixels of the canvas for each CSS pixel. */

@@ -28,7 +28,17 @@ export class ViewPanel {
       const light = app.scene.state.light.with(k, value);
       if (Math.hypot(...light) > 0) app.scene.change({ light });
     }, refresh));
-    this.attachPad();
+    const pad = byId('light-pad');
+    const take = ({ offsetX, offsetY }) =>
+      this.aim((2 * offsetX) / pad.clientWidth - 1, 1 - (2 * offsetY) / pad.clientHeight);
+    onDrag(app, pad, { begin: take, move: take });
+    const move = (right, up) => () => {
+      const [x, y] = this.unitLight();
+      app.sender.pulse();
+      this.aim(x + right, y + up);
+    };
+    onKeys(app, pad, { ArrowLeft: move(-0.1, 0), ArrowRight: move(0.1, 0), ArrowUp: move(0, 0.1),
+                       ArrowDown: move(0, -0.1) });
   }
 
   begin(patient) {
@@ -66,21 +76,10 @@ export class ViewPanel {
     byId('fov').disabled = !(camera.fov > 0);
     byId('shading').checked = state.shading === 'phong';
     byId('background').value = toHex(state.background);
-    this.showLight();
-  }
-
-  attachPad() {
-    const pad = byId('light-pad');
-    const take = ({ offsetX, offsetY }) =>
-      this.aim((2 * offsetX) / pad.clientWidth - 1, 1 - (2 * offsetY) / pad.clientHeight);
-    onDrag(this.app, pad, { begin: take, move: take });
-    const move = (right, up) => () => {
-      const [x, y] = this.unitLight();
-      this.app.sender.pulse();
-      this.aim(x + right, y + up);
-    };
-    onKeys(this.app, pad, { ArrowLeft: move(-0.1, 0), ArrowRight: move(0.1, 0), ArrowUp: move(0, 0.1),
-                            ArrowDown: move(0, -0.1) });
+    const pad = byId('light-pad'), [x, y, z] = this.unitLight();
+    pad.style.setProperty('--x', `${50 + 50 * x}%`);
+    pad.style.setProperty('--y', `${50 - 50 * y}%`);
+    pad.classList.toggle('behind', z < 0);
   }
 
   unitLight() {
@@ -94,12 +93,5 @@ export class ViewPanel {
     const [right, up] = [x * shrink, y * shrink];
     const front = Math.sqrt(clamp(1 - right * right - up * up, 0, 1));
     this.app.scene.change({ light: [right, up, front].map((c) => Number(c.toFixed(4))) });
-  }
-
-  showLight() {
-    const pad = byId('light-pad'), [x, y, z] = this.unitLight();
-    pad.style.setProperty('--x', `${50 + 50 * x}%`);
-    pad.style.setProperty('--y', `${50 - 50 * y}%`);
-    pad.classList.toggle('behind', z < 0);
   }
 }
