@@ -16,9 +16,7 @@ std::string make_token() {
   std::array<unsigned char, 16> bits{};
   if (getrandom(bits.data(), bits.size(), 0) != ssize_t(bits.size()))
     throw RunError("the system gives no random numbers for the page's token");
-  std::string token;
-  for (const unsigned char byte : bits) token += fmt::format("{:02x}", byte);
-  return token;
+  return fmt::format("{:02x}", fmt::join(bits, ""));
 }
 
 std::string policy_source(std::string_view hexadecimal) {

@@ -10,7 +10,11 @@
 #include "frame/frame_geometry.hpp"
 #include "ringsplat/base/error.hpp"
 
-namespace ringsplat::serve {
+namespace ringsplat {
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Camera, azimuth, elevation, roll, zoom, pan, fov, distance)
+
+namespace serve {
 namespace {
 
 using nlohmann::json;
@@ -144,29 +148,27 @@ json parsed(std::string_view text) {
   return j;
 }
 
-/// Has the scene's camera see the whole volume, cut across the view at a lattice place.
-void cut_across_view(Shown& shown, const glm::dvec3& place, const Grid& grid) {
-  Camera& camera = shown.camera;
-  camera = {.azimuth = camera.azimuth, .elevation = camera.elevation, .roll = camera.roll};
-  const glm::dvec3 from_middle = grid.direction * (grid.spacing * (place - 0.5 * glm::dvec3(grid.dims - 1))),
-                   to_viewer = make_view(camera, lattice_frame(grid), 1, 1).to_viewer;
-  shown.clip_planes = planes_of_slice({to_viewer, glm::dot(to_viewer, from_middle)}, grid);
-}
-
 /// Has the scene show one slice of the whole volume and nothing else, opaque, from straight before it. `j`:
 /// axis and index, or a voxel through which the slice goes across the view.
 void show_slice(Shown& shown, const json& j, const MessageRules& rules) {
+  const Grid& grid = rules.grid;
+  Camera& camera = shown.camera;
   list_from(j, "slice", 2, 3);
   shown.clip.reset();
   shown.clip_planes.clear();
   shown.edges.reset();
   if (j.size() == 3) {
-    cut_across_view(shown, vector_from(j, "the slice's voxel", -0.5, 1e9), rules.grid);
+    const glm::dvec3 place = vector_from(j, "the slice's voxel", -0.5, 1e9);
+    camera = {.azimuth = camera.azimuth, .elevation = camera.elevation, .roll = camera.roll};
+    const glm::dvec3 from_middle =
+                         grid.direction * (grid.spacing * (place - 0.5 * glm::dvec3(grid.dims - 1))),
+                     to_viewer = make_view(camera, lattice_frame(grid), 1, 1).to_viewer;
+    shown.clip_planes = planes_of_slice({to_viewer, glm::dot(to_viewer, from_middle)}, grid);
   } else {
     const auto axis = static_cast<int>(number_from(j[0], "the slice's axis", 0, 2));
-    const auto index = static_cast<int>(number_from(j[1], "the slice", 0, rules.grid.dims[axis] - 1));
-    shown.clip = slice_box(rules.grid, axis, index);
-    shown.camera = facing_slices(lattice_frame(rules.grid), Axis(axis), rules.patient);
+    const auto index = static_cast<int>(number_from(j[1], "the slice", 0, grid.dims[axis] - 1));
+    shown.clip = slice_box(grid, axis, index);
+    camera = facing_slices(lattice_frame(grid), Axis(axis), rules.patient);
   }
   shown.shading = Shading::none;
   const bool labels = shown.interpolation == Interpolation::nearest;
@@ -248,7 +250,6 @@ json to_json(const TransferFunction& tf) {
 }
 
 json to_json(const SceneState& s) {
-  const Camera& c = s.shown.camera;
   json clip, planes = json::array(), channels = json::array();
   for (const auto& [visible, colour, window] : s.channels)
     channels.push_back(
@@ -258,14 +259,7 @@ json to_json(const SceneState& s) {
   for (const auto& [normal, distance] : s.shown.clip_planes)
     planes.push_back({normal.x, normal.y, normal.z, distance});
   return {{"frame", s.frame},
-          {"camera",
-           {{"azimuth", c.azimuth},
-            {"elevation", c.elevation},
-            {"roll", c.roll},
-            {"zoom", c.zoom},
-            {"pan", c.pan},
-            {"fov", c.fov},
-            {"distance", c.distance}}},
+          {"camera", s.shown.camera},
           {"transfer_function", to_json(s.shown.transfer_function)},
           {"mode", name(s.shown.mode)},
           {"isovalue", s.shown.isovalue},
@@ -339,4 +333,5 @@ std::optional<std::uint32_t> id_of(std::string_view text) {
   }
 }
 
-}  // namespace ringsplat::serve
+}  // namespace serve
+}  // namespace ringsplat

@@ -1,7 +1,6 @@
 # Writes OUTPUT, a C++ source with the bytes of FOLDER's index.html, which gets the style sheet and all modules, so that a
 # browser asks once.
 cmake_minimum_required(VERSION 3.19)
-set_property(GLOBAL PROPERTY script "")
 
 # Appends a module to the script, after those that it imports: a function that returns what it exports.
 function(add_module name)
@@ -49,7 +48,6 @@ file(READ ${OUTPUT}.gz gzipped HEX)
 string(SUBSTRING ${gzipped} 16 -1 gzipped)
 set(gzipped "1f8b080000000000${gzipped}")
 
-set(arrays)
 foreach(name html gzipped)
   string(REGEX REPLACE "(..)" "0x\\1," bytes "${${name}}")
   string(APPEND arrays "constexpr unsigned char ${name}[] = {${bytes}0};\n")

@@ -78,7 +78,6 @@ class LevelController {
     rough_ = std::move(rough_seconds);
     own_.resize(rough_.size());
   }
-  /// A picture took so long.
   void took(int level, double seconds) {
     const double error = std::log(std::max(seconds, 1e-6) / expected(level));
     Own& its = own_[std::size_t(level)];
@@ -116,7 +115,6 @@ class LevelController {
         if (expected(middle) <= much_sooner * cost) return middle;
     return best;
   }
-  /// Seconds that a picture is expected to take.
   double expected(int level) const {
     const auto k = std::size_t(level);
     return rough_[k] * std::exp(common_.value_or(first_guess) + own_[k].factor);

@@ -60,14 +60,34 @@ class Movie {
     std::optional<int> code;
     for (const Arguments& codec : {Arguments{"-c:v", "libx264", "-crf", "18", "-preset", "medium"},
                                    Arguments{"-c:v", "mpeg4", "-q:v", "2"}}) {  // best first
-      code = run_program(ffmpeg_, arguments_for(codec), folder(), deadline, cancelled_);
+      Arguments all{"-nostdin", "-loglevel", "quiet", "-y", "-framerate",
+                    fmt::format("{}", plan_.frames_a_second),
+                    // PNGs alone: what ffmpeg opens must not depend on what it thinks of a file's bytes.
+                    "-f", "image2", "-c:v", "png", "-start_number", "0", "-i", "%05d.png", "-vf",
+                    "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p"};
+      all.insert(all.end(), codec.begin(), codec.end());
+      // Players take colours for those of old television without a word about them.
+      all.insert(all.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc",
+                             "iec61966-2-1", "-color_range", "tv", "-movflags", "+faststart", movie_name});
+      code = run_program(ffmpeg_, all, folder(), deadline, cancelled_);
       if (!code || code == 0) break;
     }
     if (!code)
       throw RunError(cancelled_ ? "the movie was cancelled" : "ffmpeg did not finish the movie in time",
                      "make it smaller or shorter");
     if (code != 0) throw RunError(fmt::format("ffmpeg failed with exit code {}", *code));
-    return read_back();
+    const std::filesystem::path file = folder() / movie_name;
+    std::error_code error;
+    const auto size = std::filesystem::file_size(file, error);
+    if (error || size == 0) throw RunError("ffmpeg made no movie");
+    if (size > most_movie_bytes)
+      throw RunError(fmt::format("the movie has {} MiB, and more than {} are not sent", size >> 20,
+                                 most_movie_bytes >> 20),
+                     "make it smaller or shorter");
+    std::string bytes(size, '\0');
+    if (!std::ifstream(file, std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(size)))
+      throw RunError("the movie cannot be read back");
+    return bytes;
   }
   /// What a movie of that many pixels may take to encode.
   std::chrono::milliseconds patience() const {
@@ -86,35 +106,6 @@ class Movie {
   static constexpr std::uintmax_t most_frame_bytes = std::uintmax_t{8} << 30;  // of one movie
   static constexpr std::uintmax_t most_movie_bytes = std::uintmax_t{256} << 20;
   static constexpr const char* movie_name = "movie.mp4";
-  static constexpr const char* frame_names = "%05d.png";
-
-  Arguments arguments_for(const Arguments& codec) const {
-    Arguments all{"-nostdin", "-loglevel", "quiet", "-y", "-framerate",
-                  fmt::format("{}", plan_.frames_a_second),
-                  // PNGs alone: what ffmpeg opens must not depend on what it thinks of a file's bytes.
-                  "-f", "image2", "-c:v", "png", "-start_number", "0", "-i", frame_names, "-vf",
-                  "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,format=yuv420p"};
-    all.insert(all.end(), codec.begin(), codec.end());
-    // Players take colours for those of old television without a word about them.
-    all.insert(all.end(), {"-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1",
-                           "-color_range", "tv", "-movflags", "+faststart", movie_name});
-    return all;
-  }
-
-  std::string read_back() const {
-    const std::filesystem::path file = folder() / movie_name;
-    std::error_code error;
-    const auto size = std::filesystem::file_size(file, error);
-    if (error || size == 0) throw RunError("ffmpeg made no movie");
-    if (size > most_movie_bytes)
-      throw RunError(fmt::format("the movie has {} MiB, and more than {} are not sent", size >> 20,
-                                 most_movie_bytes >> 20),
-                     "make it smaller or shorter");
-    std::string bytes(size, '\0');
-    if (!std::ifstream(file, std::ios::binary).read(bytes.data(), static_cast<std::streamsize>(size)))
-      throw RunError("the movie cannot be read back");
-    return bytes;
-  }
 
   const std::filesystem::path ffmpeg_;
   const MoviePlan plan_;

@@ -47,7 +47,6 @@ inline std::string with_head(std::string message, const PictureHead& head) {
   std::memcpy(message.data(), &head, sizeof head);
   return message;
 }
-/// The head's bytes and the file's.
 inline std::string picture_message(const PictureHead& head, std::string_view file) {
   std::string message(reinterpret_cast<const char*>(&head), sizeof head);
   message += file;
@@ -63,40 +62,33 @@ struct RenderedPicture {
   std::uint64_t scene = 0;  ///< the same for pictures of the same view in the same size
 };
 
-namespace detail {
-
-/// Where the pixels of a row or column lie in a smaller one.
-struct Place {
-  int first, second;
-  float share;  ///< of the second
-};
-
-inline std::vector<Place> places(int small, int large) {
-  std::vector<Place> all;
-  for (int k = 0; k < large; ++k) {
-    const float at =
-        std::clamp((float(k) + 0.5F) * float(small) / float(large) - 0.5F, 0.0F, float(small - 1));
-    const int first = static_cast<int>(at);
-    all.push_back({first, std::min(first + 1, small - 1), at - float(first)});
-  }
-  return all;
-}
-
-}  // namespace detail
-
 /// RMSE in 1/255 of a picture, enlarged bilinearly to the size of the other.
 inline float rmse_of(const std::vector<std::uint8_t>& small, int small_width, int small_height,
                      const std::vector<std::uint8_t>& rgb, int width, int height) {
-  const auto columns = detail::places(small_width, width), rows = detail::places(small_height, height);
+  struct Place {
+    int first, second;
+    float share;  ///< of the second
+  };
+  // Where the pixels of a row or column lie in a smaller one.
+  const auto places = [](int few, int many) {
+    std::vector<Place> all;
+    for (int k = 0; k < many; ++k) {
+      const float at = std::clamp((float(k) + 0.5F) * float(few) / float(many) - 0.5F, 0.0F, float(few - 1));
+      const int first = static_cast<int>(at);
+      all.push_back({first, std::min(first + 1, few - 1), at - float(first)});
+    }
+    return all;
+  };
+  const std::vector<Place> columns = places(small_width, width), rows = places(small_height, height);
   const auto at = [&](int x, int y) {
     return &small[3 * (std::size_t(y) * std::size_t(small_width) + std::size_t(x))];
   };
   double sum = 0;
   for (int y = 0; y < height; ++y) {
-    const detail::Place& row = rows[std::size_t(y)];
+    const Place& row = rows[std::size_t(y)];
     float in_row = 0;
     for (int x = 0; x < width; ++x) {
-      const detail::Place& column = columns[std::size_t(x)];
+      const Place& column = columns[std::size_t(x)];
       const std::uint8_t *a = at(column.first, row.first), *b = at(column.second, row.first),
                          *c = at(column.first, row.second), *d = at(column.second, row.second);
       const std::uint8_t* pixel = &rgb[3 * (std::size_t(y) * std::size_t(width) + std::size_t(x))];

@@ -10,10 +10,18 @@
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "ringsplat/volume/statistics.hpp"
-#include "serve/viewer.hpp"
+#include "serve/client_message.hpp"
 #include "session/render_frames.hpp"
 
 namespace ringsplat::serve {
+
+/// What lies under a pixel.
+struct Probed {
+  bool hit = false;
+  glm::dvec3 voxel{0.0};  ///< lattice coordinates
+  glm::dvec3 world{0.0};
+  double value = 0;
+};
 
 /// The camera whose picture of 1 x 1 pixel shows, along the same ray, what a picture of `camera` shows at (x,
 /// y), in pixels from its corner.
@@ -65,7 +73,6 @@ class Probe {
   }
   /// The next frame to draw; nothing when the answer is there.
   const std::optional<FrameSpec>& next_frame() const { return next_; }
-  /// Takes the frame's picture.
   void take(const Image& picture) {
     const float* const rgba = picture.pixel(0, 0);
     switch (stage_) {
@@ -86,10 +93,12 @@ class Probe {
         answer_.value = rgba[0];
         return next_.reset();
     }
-    if (high_ - low_ > 1)
-      next_->shown.clip = front_slices(middle());
+    if (high_ - low_ <= 1) return choose_place();
+    VoxelBox& front = next_->shown.clip.emplace(box_);
+    if (ascending_)
+      front.end[axis_] = box_.first[axis_] + middle();
     else
-      choose_place();
+      front.first[axis_] = box_.end[axis_] - middle();
   }
   const Probed& answer() const { return answer_; }
 
@@ -107,14 +116,6 @@ class Probe {
   float reached(const float* rgba) const {
     if (!looks_for_extremum()) return rgba[3];
     return next_->shown.mode == Mode::minip ? 1 - rgba[0] : rgba[0];
-  }
-  VoxelBox front_slices(int count) const {
-    VoxelBox box = box_;
-    if (ascending_)
-      box.end[axis_] = box.first[axis_] + count;
-    else
-      box.first[axis_] = box.end[axis_] - count;
-    return box;
   }
 
   /// Where the ray meets the plane of that coordinate, in lattice coordinates.

@@ -44,8 +44,6 @@ class Requests {
   Requests(WebServer& server, std::function<void()> wake, const ViewerOptions& options)
       : server_(server), wake_(std::move(wake)), options_(options), ranges_(options.volume.ranges) {}
 
-  ~Requests() { stop(); }
-
   /// `best`: the frame or frames to draw, or the last view's, at the best level; the ranks will not refuse
   /// them. All throw InputError when there is too much to do already, and for a movie whatever is wrong with
   /// it. A probe is of volume `volume` of the series; a file says its own.
@@ -223,8 +221,14 @@ class Requests {
     probing_->frame = -1;
     probing_->probe.take(picture);
     if (probing_->probe.next_frame()) return;
+    const auto& [hit, voxel, world, value] = probing_->probe.answer();
     if (!probing_->forgotten)
-      server_.send_text(probing_->client, probe_text(probing_->id, probing_->probe.answer()));
+      server_.send_text(probing_->client, text_of({{"type", "probe"},
+                                                   {"id", probing_->id},
+                                                   {"hit", hit},
+                                                   {"voxel", {voxel.x, voxel.y, voxel.z}},
+                                                   {"world", {world.x, world.y, world.z}},
+                                                   {"value", value}}));
     probing_.reset();
   }
 

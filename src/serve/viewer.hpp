@@ -125,20 +125,11 @@ LoadOptions needed_for_levels(const FrameSpec& frame, const Grid& grid);
 /// between voxels mean nothing there is one mode only.
 void set_modes(const TransferFunction& usual, const ValueStatistics& values, ViewerOptions& options);
 
-/// What lies under a pixel.
-struct Probed {
-  bool hit = false;
-  glm::dvec3 voxel{0.0};  ///< lattice coordinates
-  glm::dvec3 world{0.0};
-  double value = 0;
-};
-
 std::string hello_text(const ViewerOptions& options, const std::vector<Level>& levels, bool drives,
                        int viewers);
 /// What becomes of a frame of a series: "loading", "shown" from now on, or "failed".
 std::string frame_text(int frame, std::string_view status);
 std::string run_text(const RunState& run);
-std::string probe_text(std::uint32_t id, const Probed& probed);
 /// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO". `id`: of the message that it answers.
 std::string error_text(std::string_view what, std::optional<std::uint32_t> id = std::nullopt);
 /// `what`: as of an error.

@@ -14,11 +14,6 @@ namespace {
 
 using nlohmann::json;
 
-template <class Vector>
-json three(const Vector& v) {
-  return {v[0], v[1], v[2]};
-}
-
 json histogram_json(const Histogram& histogram) {
   constexpr int shown_bins = 256;
   return {
@@ -43,18 +38,19 @@ json slices_json(const ShownVolume& volume) {
 }
 
 json volume_json(const ShownVolume& volume) {
+  const auto& [dims, spacing, origin, axes, type] = volume.grid;
   json direction = json::array();
   for (int column = 0; column < 3; ++column)
-    for (int row = 0; row < 3; ++row) direction.push_back(volume.grid.direction[column][row]);
+    for (int row = 0; row < 3; ++row) direction.push_back(axes[column][row]);
   return {{"name", volume.name},
-          {"dims", three(volume.grid.dims)},
-          {"spacing", three(volume.grid.spacing)},
-          {"origin", three(volume.grid.origin)},
+          {"dims", {dims.x, dims.y, dims.z}},
+          {"spacing", {spacing.x, spacing.y, spacing.z}},
+          {"origin", {origin.x, origin.y, origin.z}},
           {"unit", volume.unit},
           {"direction", direction},
           {"patient", volume.patient},
           {"range", {volume.ranges.front().low, volume.ranges.front().high}},
-          {"type", to_string(volume.grid.type)},
+          {"type", to_string(type)},
           {"slices", slices_json(volume)},
           {"labels", volume.labels},
           {"histogram", histogram_json(volume.histogram)}};
@@ -126,15 +122,6 @@ std::string run_text(const RunState& run) {
                   {"paused", run.paused},
                   {"histogram", histogram_json(run.histogram)},
                   {"parameters", run.parameters}});
-}
-
-std::string probe_text(std::uint32_t id, const Probed& probed) {
-  return text_of({{"type", "probe"},
-                  {"id", id},
-                  {"hit", probed.hit},
-                  {"voxel", three(probed.voxel)},
-                  {"world", three(probed.world)},
-                  {"value", probed.value}});
 }
 
 std::string error_text(std::string_view what, std::optional<std::uint32_t> id) {

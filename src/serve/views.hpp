@@ -14,19 +14,9 @@
 
 namespace ringsplat::serve {
 
-/// Gives `shown` a channel's function, over its window and in its colour.
-inline void look_as(const ChannelState& look, const ShownChannel& channel, Shown& shown) {
-  const Shown& own = channel.own.at(shown.mode);
-  shown.transfer_function = own.transfer_function;
-  shown.interpolation = own.interpolation;
-  shown.isovalue = look.window.x;
-  if (look.window != channel.window(shown.mode))
-    stretch(shown.transfer_function, {look.window.x, look.window.y});
-  for (auto& point : shown.transfer_function.colours) point.srgb *= look.colour;
-}
-
-/// What shows a scene at a level: a frame, or one of each visible channel. Where none is visible the first is
-/// drawn, clear. Throws InputError when a channel's look makes no frame.
+/// What shows a scene at a level: a frame, or one of each visible channel, with its function over its window
+/// and in its colour. Where none is visible the first is drawn, clear. Throws InputError when a channel's
+/// look makes no frame.
 inline std::vector<VolumeFrame> frames_of(const SceneState& scene, const Level& level,
                                           const ViewerOptions& options) {
   FrameSpec frame = options.frame;
@@ -34,9 +24,17 @@ inline std::vector<VolumeFrame> frames_of(const SceneState& scene, const Level& 
   frame = at_level(std::move(frame), level);
   std::vector<VolumeFrame> frames;
   for (std::size_t k = 0; k < scene.channels.size(); ++k) {
-    if (!scene.channels[k].visible) continue;
+    const auto& [visible, colour, window] = scene.channels[k];
+    if (!visible) continue;
     frames.push_back({k, frame});
-    look_as(scene.channels[k], options.channels[k], frames.back().spec.shown);
+    Shown& shown = frames.back().spec.shown;
+    const Shown& own = options.channels[k].own.at(shown.mode);
+    shown.transfer_function = own.transfer_function;
+    shown.interpolation = own.interpolation;
+    shown.isovalue = window.x;
+    if (window != options.channels[k].window(shown.mode))
+      stretch(shown.transfer_function, {window.x, window.y});
+    for (auto& point : shown.transfer_function.colours) point.srgb *= colour;
     check(frames.back().spec);
   }
   if (!frames.empty()) return frames;

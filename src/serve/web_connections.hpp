@@ -225,12 +225,7 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     target = target.substr(0, target.find_first_of("?#"));
     if (target != "/" && target != "/index.html")
       return reply(http::status::not_found, "there is no such file\n");
-    reply_with_page();
-  }
-
-  /// The page is asked for again only where it has changed, and compressed where that is understood.
-  void reply_with_page() {
-    const auto& request = parser_.get();
+    // The page is asked for again only where it has changed, and compressed where that is understood.
     const std::string tag = '"' + std::string(page_file.hash) + '"';
     const bool known = view(request[http::field::if_none_match]).find(tag) != std::string_view::npos;
     const bool packed = view(request[http::field::accept_encoding]).find("gzip") != std::string_view::npos;

@@ -30,9 +30,26 @@ struct WebServer::Impl {
   Impl(const ServerOptions& options, ServerEvents& events)
       : acceptor_(shared_.io), pause_(shared_.io), signals_(shared_.io) {
     shared_.events = &events;
-    bind(options);
-    std::vector<std::string> hosts{fmt::format("127.0.0.1:{}", port_), fmt::format("localhost:{}", port_),
-                                   fmt::format("[::1]:{}", port_), name_};
+    error_code error;
+    const asio::ip::address address = asio::ip::make_address(options.address, error);
+    if (error)
+      throw InputError(fmt::format("--bind {} is no IP address", options.address),
+                       "leave it out, or give for instance 0.0.0.0");
+    const tcp::endpoint endpoint(address, static_cast<unsigned short>(options.port));
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+    if (error)
+      throw InputError(fmt::format("the server cannot listen at {}: {}", host_and_port(address, options.port),
+                                   error.message()),
+                       "choose another --port; 0 takes any that is free");
+    const int port = acceptor_.local_endpoint().port();
+    const std::string machine = host_name();
+    name_ = address.is_unspecified() ? fmt::format("{}:{}", machine.empty() ? "localhost" : machine, port)
+                                     : host_and_port(address, port);
+    std::vector<std::string> hosts{fmt::format("127.0.0.1:{}", port), fmt::format("localhost:{}", port),
+                                   fmt::format("[::1]:{}", port), name_};
     hosts.insert(hosts.end(), options.allowed_hosts.begin(), options.allowed_hosts.end());
     shared_.access = {make_token(), std::move(hosts), options.allowed_origins};
     shared_.frame_ancestors = frame_ancestors(options.allowed_frames);
@@ -54,27 +71,6 @@ struct WebServer::Impl {
     }
     last_moment_ = Clock::now() + std::chrono::seconds(1);
     stop_soon();
-  }
-
-  void bind(const ServerOptions& options) {
-    error_code error;
-    const asio::ip::address address = asio::ip::make_address(options.address, error);
-    if (error)
-      throw InputError(fmt::format("--bind {} is no IP address", options.address),
-                       "leave it out, or give for instance 0.0.0.0");
-    const tcp::endpoint endpoint(address, static_cast<unsigned short>(options.port));
-    acceptor_.open(endpoint.protocol(), error);
-    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor_.bind(endpoint, error);
-    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
-    if (error)
-      throw InputError(fmt::format("the server cannot listen at {}: {}", host_and_port(address, options.port),
-                                   error.message()),
-                       "choose another --port; 0 takes any that is free");
-    port_ = acceptor_.local_endpoint().port();
-    const std::string machine = host_name();
-    name_ = address.is_unspecified() ? fmt::format("{}:{}", machine.empty() ? "localhost" : machine, port_)
-                                     : host_and_port(address, port_);
   }
 
   void accept() {
@@ -114,7 +110,6 @@ struct WebServer::Impl {
 
   Shared shared_;
   std::string name_;
-  int port_ = 0;
   tcp::acceptor acceptor_;
   asio::steady_timer pause_;
   Clock::time_point last_moment_;

@@ -127,8 +127,7 @@ class App {
     this.transfer.begin(hello);
     this.labels.begin(volume.labels);
     this.channels.begin(hello.channels);
-    this.film.begin(hello.ffmpeg);
-    if (!resumes) this.film.restore();
+    this.film.begin(hello.ffmpeg, resumes);
     this.snapshots.begin(hello.largest);
     this.setDriver(hello.driver, hello.viewers);
     this.slices.begin(resumes);

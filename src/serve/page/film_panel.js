@@ -19,11 +19,6 @@ export class FilmPanel {
     this.set([]);
   }
 
-  /** A reload keeps key frames, a new visit in the same tab does not. */
-  restore() {
-    if (history.state?.film === this.app.volume.name) this.take(history.state.frames);
-  }
-
   /** Key frames from outside. */
   take(list) {
     const { hello } = this.app, whole = (part) =>
@@ -90,9 +85,11 @@ export class FilmPanel {
     this.app.sender.release();
   }
 
-  begin(ffmpeg) {
+  begin(ffmpeg, resumes) {
     byId('film-mp4').disabled = !ffmpeg;
     byId('film-format').value = ffmpeg ? 'mp4' : 'zip';
+    // A reload keeps key frames, a new visit in the same tab does not.
+    if (!resumes && history.state?.film === this.app.volume.name) this.take(history.state.frames);
   }
 
   async render() {
