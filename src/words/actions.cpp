@@ -37,14 +37,6 @@ void take(Action& action, const CLI::ConfigItem& item) {
   }
 }
 
-std::string file_of(const Action& action, std::int64_t step) {
-  std::string file = action.file;
-  const std::string_view place = "{step}";
-  if (const auto at = file.find(place); at != std::string::npos)
-    file.replace(at, place.size(), fmt::format("{:06}", step));
-  return file;
-}
-
 }  // namespace
 
 std::vector<Action> parse_actions(const std::string& text) {
@@ -76,10 +68,10 @@ std::vector<Action> parse_actions(const std::string& text) {
 }
 
 std::vector<Action> Actions::due(std::int64_t step) {
-  std::ifstream file(path_);
+  std::ifstream in(path_);
   std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) {
+  text << in.rdbuf();
+  if (!in) {
     warn(fmt::format("no pictures are drawn: {} cannot be read", path_.string()));
     return {};
   }
@@ -95,8 +87,11 @@ std::vector<Action> Actions::due(std::int64_t step) {
   std::vector<Action> all;
   for (const Action& action : actions_) {
     if (step < action.first || (step - action.first) % action.every != 0) continue;
-    all.push_back(action);
-    all.back().file = path_.parent_path() / file_of(action, step);
+    std::string& file = all.emplace_back(action).file;
+    constexpr std::string_view place = "{step}";
+    if (const auto at = file.find(place); at != std::string::npos)
+      file.replace(at, place.size(), fmt::format("{:06}", step));
+    file = path_.parent_path() / file;
   }
   return all;
 }

@@ -28,13 +28,11 @@ BlockSession::BlockSession(Processes processes, const std::vector<std::string>& 
 void BlockSession::set_grid(const Grid& grid, const VolumeNotes& notes) {
   check(grid, "the grid");
   session_.set_grid(grid);
-  grid_ = grid;
   notes_ = notes;
 }
 
 void BlockSession::commit() {
   session_.commit();
-  committed_ = grid_;
   committed_notes_ = notes_;
 }
 
@@ -115,18 +113,19 @@ std::vector<std::pair<std::string, double>> BlockSession::show(std::int64_t step
 BlockSession::Request BlockSession::request(const std::vector<std::string>& words,
                                             const std::vector<app::ViewAngles>& views,
                                             const ValueStatistics& values) const {
+  const Grid& grid = SessionParts::grid(session_);
   Request made{parse_picture(words, views, From::session), {}, {}};
   app::RenderOptions& o = made.options;
   const auto tell = [this](const std::string& note) {
     if (!note.empty() && session_.rank() == 0) log_info("{}", note);
   };
   o.volume.path = "session";
-  o.frame.shown.clip = app::clip_box(o.clip, committed_);
-  tell(app::complete_view(o, committed_, committed_notes_));
-  if (o.annotate) made.annotation.emplace(committed_, committed_notes_, o.background, o.colour.range);
+  o.frame.shown.clip = app::clip_box(o.clip, grid);
+  tell(app::complete_view(o, grid, committed_notes_));
+  if (o.annotate) made.annotation.emplace(grid, committed_notes_, o.background, o.colour.range);
   const auto cameras = app::views_of(o);
   const app::MadeFunction function =
-      app::TransferFunctionChoice(o.transfer_function, o.colour).make(values, committed_);
+      app::TransferFunctionChoice(o.transfer_function, o.colour).make(values, grid);
   check(function.function, o.transfer_function);
   tell(function.said);
   function.set(o.frame.shown);

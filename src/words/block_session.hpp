@@ -93,7 +93,6 @@ class BlockSession {
 
   Collectives& collectives_;  ///< the session's
   Session session_;
-  Grid grid_, committed_;
   VolumeNotes notes_, committed_notes_;
   std::deque<std::pair<std::string, double>> offered_;  ///< at addresses that last
   std::optional<Live> live_;

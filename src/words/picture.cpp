@@ -73,14 +73,6 @@ app::VolumeOptions polled(const app::VolumeOptions& volume, const Hooks& hooks) 
   return result;
 }
 
-app::Progress::Listener listener(const Hooks& hooks) {
-  const auto at = [&hooks](const std::string& what, double done, double total) {
-    if (hooks.poll) hooks.poll();
-    if (hooks.told) hooks.told(what, done, total);
-  };
-  return {at, [](const std::string& line) { log_info("{}", line); }};
-}
-
 truth::Scene read_scene(const app::VolumeOptions& volume, const Hooks& hooks) {
   const auto source = open_volume(volume);
   truth::Scene scene = app::read_whole(*source).scene;
@@ -156,7 +148,11 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
   options.volume = polled(options.volume, hooks);
   options.run.loopback.poll = hooks.poll;
   app::Launch launch;
-  app::Progress progress(listener(hooks));
+  const auto at = [&hooks](const std::string& what, double done, double total) {
+    if (hooks.poll) hooks.poll();
+    if (hooks.told) hooks.told(what, done, total);
+  };
+  app::Progress progress(app::Progress::Listener{at, [](const std::string& line) { log_info("{}", line); }});
   app::Job job = app::prepare(options, launch);
   const app::RenderOptions& o = job.options;
   ValueRange range;
