@@ -78,7 +78,7 @@ struct PlacedBlock {
 };
 
 /// Throws InputError that names a hole, or two blocks that overlap and where, unless the blocks cover every
-/// voxel of the grid exactly once. Each block lies within the grid.
-void check_cover(const Grid& grid, const std::vector<PlacedBlock>& blocks);
+/// voxel of the box exactly once. Each block meets the box.
+void check_cover(const VoxelBox& box, const std::vector<PlacedBlock>& blocks);
 
 }  // namespace ringsplat

@@ -46,6 +46,35 @@ void give_around(std::map<int, SliceStore>& stores, const SliceStore& owner, Axi
   }
 }
 
+void merge_heads(ValueTally& tally, Collectives& collectives) {
+  const Block mine = to_bytes(tally.range, tally.fill, tally.distinct.overflown());
+  tally.range = {};
+  tally.fill = 0;
+  for (const Block& block : collectives.all_gather(mine)) {
+    ValueRange range;
+    std::uint64_t fill = 0;
+    bool overflown = false;
+    read_block(block, "the range of its values", range, fill, overflown);
+    tally.range.merge(range);
+    tally.fill += fill;
+    if (overflown) tally.distinct.overflow();
+  }
+}
+
+/// All know whether one has overflown.
+void merge_distinct(DistinctValues& distinct, Collectives& collectives) {
+  if (distinct.overflown()) return;
+  using Values = std::vector<double>;
+  for (const Block& block : to_process_0(collectives, to_bytes(distinct.sorted())))
+    distinct.merge(value_of<Values>(block, "its different values"));
+  bool overflown = false;
+  Values all;
+  read_block(collectives.broadcast(to_bytes(distinct.overflown(), distinct.sorted()), 0),
+             "all different values", overflown, all);
+  if (overflown) distinct.overflow();
+  distinct.merge(all);
+}
+
 }  // namespace
 
 std::vector<float> points_of(const VolumeSketch& sketch, const SliceView& slice) {
@@ -120,39 +149,6 @@ void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collecti
   for (auto& of_axis : *ranges) std::ranges::sort(of_axis, {}, &SliceRange::slice);
   for (auto& [gp, store] : stores) store.know_ranges(ranges);
 }
-
-namespace {
-
-void merge_heads(ValueTally& tally, Collectives& collectives) {
-  const Block mine = to_bytes(tally.range, tally.fill, tally.distinct.overflown());
-  tally.range = {};
-  tally.fill = 0;
-  for (const Block& block : collectives.all_gather(mine)) {
-    ValueRange range;
-    std::uint64_t fill = 0;
-    bool overflown = false;
-    read_block(block, "the range of its values", range, fill, overflown);
-    tally.range.merge(range);
-    tally.fill += fill;
-    if (overflown) tally.distinct.overflow();
-  }
-}
-
-/// All know whether one has overflown.
-void merge_distinct(DistinctValues& distinct, Collectives& collectives) {
-  if (distinct.overflown()) return;
-  using Values = std::vector<double>;
-  for (const Block& block : to_process_0(collectives, to_bytes(distinct.sorted())))
-    distinct.merge(value_of<Values>(block, "its different values"));
-  bool overflown = false;
-  Values all;
-  read_block(collectives.broadcast(to_bytes(distinct.overflown(), distinct.sorted()), 0),
-             "all different values", overflown, all);
-  if (overflown) distinct.overflow();
-  distinct.merge(all);
-}
-
-}  // namespace
 
 ValueStatistics share_values(const std::map<int, SliceStore>& stores, const Grid& grid,
                              const VolumeNotes& notes, Collectives& collectives) {

@@ -57,30 +57,6 @@ Cut cut_of(const VoxelBox& box, const Blocks& blocks) {
   return cut;
 }
 
-/// `blocks`: those that meet the box.
-void check_part(const VoxelBox& box, const Blocks& blocks) {
-  if (blocks.empty())
-    throw InputError(fmt::format("no block covers voxels {}", text_of(box)),
-                     "all blocks together must cover the grid, ghosts left out");
-  const auto whole = [&](const PlacedBlock& block) { return covers(block.extent, box); };
-  const auto first = std::find_if(blocks.begin(), blocks.end(), whole);
-  if (first != blocks.end()) {
-    if (blocks.size() == 1) return;
-    const PlacedBlock& other = blocks[first == blocks.begin() ? 1 : 0];
-    throw InputError(fmt::format("{} and {} overlap", text_of(*first), text_of(other)),
-                     "every voxel belongs to one block; leave out ghosts");
-  }
-  const Cut cut = cut_of(box, blocks);
-  VoxelBox low = box, high = box;
-  low.end[cut.axis] = high.first[cut.axis] = cut.at;
-  for (const VoxelBox& part : {low, high}) {
-    Blocks meeting;
-    std::copy_if(blocks.begin(), blocks.end(), std::back_inserter(meeting),
-                 [&](const PlacedBlock& block) { return meet(block.extent, part); });
-    check_part(part, meeting);
-  }
-}
-
 /// Rows [y, y_end) of a block in slice z.
 struct Rows {
   int block, z, y, y_end;
@@ -246,12 +222,31 @@ void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collect
     ++process;
   }
   agree_after(collectives, [&] {
-    if (collectives.process() == 0) check_cover(grid, all);
+    if (collectives.process() == 0) check_cover(whole_box(grid), all);
   });
 }
 
-void check_cover(const Grid& grid, const std::vector<PlacedBlock>& blocks) {
-  check_part(whole_box(grid), blocks);
+void check_cover(const VoxelBox& box, const Blocks& blocks) {
+  if (blocks.empty())
+    throw InputError(fmt::format("no block covers voxels {}", text_of(box)),
+                     "all blocks together must cover the grid, ghosts left out");
+  const auto whole = [&](const PlacedBlock& block) { return covers(block.extent, box); };
+  const auto first = std::find_if(blocks.begin(), blocks.end(), whole);
+  if (first != blocks.end()) {
+    if (blocks.size() == 1) return;
+    const PlacedBlock& other = blocks[first == blocks.begin() ? 1 : 0];
+    throw InputError(fmt::format("{} and {} overlap", text_of(*first), text_of(other)),
+                     "every voxel belongs to one block; leave out ghosts");
+  }
+  const Cut cut = cut_of(box, blocks);
+  VoxelBox low = box, high = box;
+  low.end[cut.axis] = high.first[cut.axis] = cut.at;
+  for (const VoxelBox& part : {low, high}) {
+    Blocks meeting;
+    std::copy_if(blocks.begin(), blocks.end(), std::back_inserter(meeting),
+                 [&](const PlacedBlock& block) { return meet(block.extent, part); });
+    check_cover(part, meeting);
+  }
 }
 
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,

@@ -59,9 +59,9 @@ TEST_CASE("blocks that cover the grid once are accepted, however it is cut") {
   Dice dice(1);
   for (int round = 0; round < 50; ++round) {
     const auto boxes = cut_up(whole_box(grid), 1 + dice.below(60), dice);
-    CHECK_NOTHROW(check_cover(grid, placed(boxes)));
+    CHECK_NOTHROW(check_cover(whole_box(grid), placed(boxes)));
   }
-  CHECK_NOTHROW(check_cover(grid, placed(lattice_of_blocks(whole_box(grid), {12, 9, 17}))));
+  CHECK_NOTHROW(check_cover(whole_box(grid), placed(lattice_of_blocks(whole_box(grid), {12, 9, 17}))));
 }
 
 TEST_CASE("a missing block and blocks that overlap are named, in any decomposition") {
@@ -72,7 +72,7 @@ TEST_CASE("a missing block and blocks that overlap are named, in any decompositi
     const std::size_t chosen = std::size_t(dice.below(int(boxes.size())));
     auto holed = boxes;
     holed.erase(holed.begin() + std::ptrdiff_t(chosen));
-    CHECK(says(message_of([&] { check_cover(grid, placed(holed)); }), "no block covers voxels "));
+    CHECK(says(message_of([&] { check_cover(whole_box(grid), placed(holed)); }), "no block covers voxels "));
     const int axis = dice.below(3);
     VoxelBox& grown = boxes[chosen];
     if (grown.first[axis] > 0)
@@ -81,7 +81,7 @@ TEST_CASE("a missing block and blocks that overlap are named, in any decompositi
       ++grown.end[axis];
     else
       continue;
-    const std::string message = message_of([&] { check_cover(grid, placed(boxes)); });
+    const std::string message = message_of([&] { check_cover(whole_box(grid), placed(boxes)); });
     INFO(message);
     CHECK(says(message, "overlap"));
     CHECK(says(message, "rank "));
@@ -92,17 +92,17 @@ TEST_CASE("a hole is named by its voxels and an overlap by its blocks") {
   const Grid grid = make_grid({8, 8, 8});
   const VoxelBox low{{0, 0, 0}, {8, 8, 3}}, high{{0, 0, 4}, {8, 8, 8}};
   CHECK(message_of([&] {
-          check_cover(grid, placed({low, high}));
+          check_cover(whole_box(grid), placed({low, high}));
         }) ==
         "no block covers voxels 0:8,0:8,3:4; hint: all blocks together must cover the grid, ghosts left out");
   const VoxelBox over{{0, 0, 2}, {8, 8, 8}};
   CHECK(message_of([&] {
-          check_cover(grid, placed({low, over}));
+          check_cover(whole_box(grid), placed({low, over}));
         }) ==
         "block 0 of rank 0 (0:8,0:8,0:3) and block 0 of rank 1 (0:8,0:8,2:8) overlap; hint: every voxel "
         "belongs to one "
         "block; leave out ghosts");
-  CHECK(says(message_of([&] { check_cover(grid, {}); }), "no block covers voxels 0:8,0:8,0:8"));
+  CHECK(says(message_of([&] { check_cover(whole_box(grid), {}); }), "no block covers voxels 0:8,0:8,0:8"));
 }
 
 TEST_CASE("GPs get the slices of blocks of any shape, order and type, in rounds of bounded size") {
