@@ -207,9 +207,39 @@ Processes processes_of(nb::handle capsule) {
   return std::move(*processes);
 }
 
-void bind_pictures(nb::class_<BlockSession>& session) {
+void bind_session(nb::module_& m) {
   const auto without_lock = nb::call_guard<nb::gil_scoped_release>();
-  session
+  nb::class_<BlockSession>(m, "BlockSession")
+      .def(
+          "__init__",
+          [](BlockSession* self, nb::handle capsule, const Words& layout, int threads, double stall_timeout,
+             const std::string& problem) {
+            const SessionOptions options{
+                .threads_per_rank = threads, .stall_timeout = stall_timeout, .poll = poll_now_and_then()};
+            new (self) BlockSession(processes_of(capsule), layout, options, problem);
+          },
+          nb::arg("processes").none(), nb::arg("layout"), nb::arg("threads"), nb::arg("stall_timeout"),
+          nb::arg("problem"))
+      .def_prop_ro("rank", [](BlockSession& s) { return s.session().rank(); })
+      .def_prop_ro("ranks", [](BlockSession& s) { return s.session().ranks(); })
+      .def("set_grid", [](BlockSession& s, const ArrayVolume& like) { s.set_grid(like.grid, like.notes); })
+      .def("add_block",
+           [](BlockSession& s, const std::array<int, 3>& first, const std::array<int, 3>& end,
+              std::uintptr_t address, const std::array<std::int64_t, 3>& strides) {
+             return s.session().add_block({{first[0], first[1], first[2]}, {end[0], end[1], end[2]}},
+                                          at_address(address), strides_of(strides));
+           })
+      .def(
+          "update_block",
+          [](BlockSession& s, int block, std::uintptr_t address, const std::array<std::int64_t, 3>& strides) {
+            s.session().update_block(block, at_address(address), strides_of(strides));
+          })
+      .def("clear_blocks", [](BlockSession& s) { s.session().clear_blocks(); })
+      .def("note_problem",
+           [](BlockSession& s, const std::string& problem) {
+             SessionParts::note_problem(s.session(), problem);
+           })
+      .def("commit", &BlockSession::commit, without_lock)
       .def(
           "range",
           [](BlockSession& s) {
@@ -242,43 +272,6 @@ void bind_pictures(nb::class_<BlockSession>& session) {
       .def("offer", &BlockSession::offer, nb::arg("name"), nb::arg("value"), nb::arg("low"), nb::arg("high"),
            nb::arg("choices").none())
       .def("show", &BlockSession::show, without_lock);
-}
-
-void bind_session(nb::module_& m) {
-  const auto without_lock = nb::call_guard<nb::gil_scoped_release>();
-  nb::class_<BlockSession> session(m, "BlockSession");
-  session
-      .def(
-          "__init__",
-          [](BlockSession* self, nb::handle capsule, const Words& layout, int threads, double stall_timeout,
-             const std::string& problem) {
-            const SessionOptions options{
-                .threads_per_rank = threads, .stall_timeout = stall_timeout, .poll = poll_now_and_then()};
-            new (self) BlockSession(processes_of(capsule), layout, options, problem);
-          },
-          nb::arg("processes").none(), nb::arg("layout"), nb::arg("threads"), nb::arg("stall_timeout"),
-          nb::arg("problem"))
-      .def_prop_ro("rank", [](BlockSession& s) { return s.session().rank(); })
-      .def_prop_ro("ranks", [](BlockSession& s) { return s.session().ranks(); })
-      .def("set_grid", [](BlockSession& s, const ArrayVolume& like) { s.set_grid(like.grid, like.notes); })
-      .def("add_block",
-           [](BlockSession& s, const std::array<int, 3>& first, const std::array<int, 3>& end,
-              std::uintptr_t address, const std::array<std::int64_t, 3>& strides) {
-             return s.session().add_block({{first[0], first[1], first[2]}, {end[0], end[1], end[2]}},
-                                          at_address(address), strides_of(strides));
-           })
-      .def(
-          "update_block",
-          [](BlockSession& s, int block, std::uintptr_t address, const std::array<std::int64_t, 3>& strides) {
-            s.session().update_block(block, at_address(address), strides_of(strides));
-          })
-      .def("clear_blocks", [](BlockSession& s) { s.session().clear_blocks(); })
-      .def("note_problem",
-           [](BlockSession& s, const std::string& problem) {
-             SessionParts::note_problem(s.session(), problem);
-           })
-      .def("commit", &BlockSession::commit, without_lock);
-  bind_pictures(session);
 }
 
 }  // namespace

@@ -95,7 +95,7 @@ def _by_itself(method: F) -> F:
     return cast(F, call)
 
 
-class Session:
+class Session(contextlib.AbstractContextManager["Session"]):
     """Renders a volume that lies in blocks, as often as wanted.
 
         session = ringsplat.Session(comm=MPI.COMM_WORLD)     # or Session(), for one process
@@ -311,9 +311,6 @@ class Session:
         """Lets go of the volume and of the communicator's duplicate. Collective."""
         self._cores.clear()
         self._blocks = []
-
-    def __enter__(self) -> "Session":
-        return self
 
     def __exit__(self, *_: Any) -> None:
         self.close()

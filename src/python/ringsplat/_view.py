@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import html
 import os
 import shutil
@@ -31,7 +32,7 @@ def _end(process: subprocess.Popen, folder: str) -> None:
     shutil.rmtree(folder, ignore_errors=True)
 
 
-class View:
+class View(contextlib.AbstractContextManager["View"]):
     """A volume that is shown on a page. Its `url` is for a browser; a notebook shows the page in the output cell.
 
     It is served from a process of its own, which ends with close(), with this object, or with Python.
@@ -84,9 +85,6 @@ class View:
     def closed(self) -> bool:
         """True when there is no viewer any more."""
         return not self._finalizer.alive or self._process.poll() is not None
-
-    def __enter__(self) -> "View":
-        return self
 
     def __exit__(self, *_: Any) -> None:
         self.close()
