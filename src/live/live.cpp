@@ -211,13 +211,6 @@ struct Live::State {
     run.histogram = values.histogram;
   }
 
-  /// Draws the picture that rank 0 has decided on.
-  void draw() {
-    std::vector<FrameSpec> frames;
-    for (VolumeFrame& one : wanted) frames.push_back(std::move(one.spec));
-    SessionParts::render(session, frames, director.frame_done);
-  }
-
   void hold(Act act) {
     const bool goes_on = act == Act::answer;
     if (viewer) viewer->renewed(range, goes_on);
@@ -275,10 +268,13 @@ void Live::show(std::int64_t step, double time) {
     const double begin = now_seconds();
     if (!std::exchange(committed, true)) s.session.commit();
     if (act != Act::draw) s.count();
-    if (act == Act::hold || act == Act::answer)
+    if (act == Act::hold || act == Act::answer) {
       s.hold(act);
-    else
-      s.draw();
+    } else {
+      std::vector<FrameSpec> frames;  // on rank 0, which has decided on them
+      for (VolumeFrame& one : s.wanted) frames.push_back(std::move(one.spec));
+      SessionParts::render(s.session, frames, s.director.frame_done);
+    }
     if (act == Act::hold) continue;
     s.debt += now_seconds() - begin;
     break;

@@ -92,10 +92,7 @@ struct WebServer::Impl {
 
   /// When all clients have closed, or there is no more time for that.
   void stop_soon() {
-    if (shared_.clients.empty() || Clock::now() >= last_moment_) {
-      shared_.io.stop();
-      return;
-    }
+    if (shared_.clients.empty() || Clock::now() >= last_moment_) return shared_.io.stop();
     pause_.expires_after(std::chrono::milliseconds(10));
     pause_.async_wait([this](error_code) { stop_soon(); });
   }

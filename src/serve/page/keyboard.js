@@ -103,18 +103,15 @@ export function attachKeyboard(app) {
     const controlled = event.ctrlKey || event.metaKey;
     const direction = arrows[event.key];
     if (direction && controlled) app.probing.move(direction.map((d) => d * crossStep));
-    else if (direction) turnOrPan(app, direction, event.shiftKey);
-    else if (controlled && event.key.toLowerCase() === 'z') app.undo(event.shiftKey);
+    else if (direction) {
+      const { camera } = app.scene.state, [right, down] = direction;
+      app.film.stop();
+      app.sender.pulse();
+      app.scene.change({ camera: event.shiftKey ? movePicture(camera, { shift: [right * panStep, down * panStep] })
+                                                : turning[settings.turning](camera, right * step, down * step) });
+    } else if (controlled && event.key.toLowerCase() === 'z') app.undo(event.shiftKey);
     else if (!controlled && byKey.has(event.key)) byKey.get(event.key)();
     else return;
     event.preventDefault();
   });
-}
-
-function turnOrPan(app, [right, down], pans) {
-  const { camera } = app.scene.state;
-  app.film.stop();
-  app.sender.pulse();
-  app.scene.change({ camera: pans ? movePicture(camera, { shift: [right * panStep, down * panStep] })
-                                  : turning[settings.turning](camera, right * step, down * step) });
 }

@@ -12,7 +12,11 @@ export class RunPanel {
     this.recorded = null;  // pictures of steps, while they are taken
     byId('run-pause').addEventListener('click', () => this.toggle());
     byId('run-step').addEventListener('click', () => this.steer('step'));
-    byId('run-fit').addEventListener('click', () => this.fit());
+    // Spreads the transfer function over the values that there are now.
+    byId('run-fit').addEventListener('click', () => {
+      const { low, high } = app.volume.histogram, { transfer } = app;
+      if (app.mayEdit() && high > low) transfer.edit(spread(transfer.tf, low, high), true);
+    });
     byId('run-record').addEventListener('click', () => this.record());
   }
 
@@ -45,14 +49,12 @@ export class RunPanel {
     byId('run-words').textContent = [`step ${run.step}`, run.time !== 0 && `time ${show(run.time)}`,
       run.paused ? 'held' : `${show(run.rate, 2)} steps a second`].filter(Boolean).join(', ');
     byId('run-pause').textContent = run.paused ? 'Go on' : 'Hold';
-    if (known !== run.parameters.map(({ name }) => name).join()) this.list(run.parameters);
+    if (known !== run.parameters.map(({ name }) => name).join()) {
+      this.fields = new Map(run.parameters.map((one) => [one.name, this.makeField(one)]));
+      byId('run-parameters').replaceChildren(...[...this.fields].map(([name, field]) => element('label', {}, name, field)));
+    }
     for (const { name, value } of run.parameters) this.put(name, value);
     this.look?.();
-  }
-
-  list(parameters) {
-    this.fields = new Map(parameters.map((one) => [one.name, this.makeField(one)]));
-    byId('run-parameters').replaceChildren(...[...this.fields].map(([name, field]) => element('label', {}, name, field)));
   }
 
   /** Of a number, or of one of several choices. */
@@ -108,11 +110,5 @@ export class RunPanel {
   stopRecording() {
     this.recording = false;
     this.look?.();
-  }
-
-  /** Spreads the transfer function over the values that there are now. */
-  fit() {
-    const { low, high } = this.app.volume.histogram, { transfer } = this.app;
-    if (this.app.mayEdit() && high > low) transfer.edit(spread(transfer.tf, low, high), true);
   }
 }

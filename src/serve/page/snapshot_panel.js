@@ -12,7 +12,12 @@ export class SnapshotPanel {
     byId('save-state').addEventListener('click', () =>
       download(`${fileStem(app.volume.name)}-scene.json`,
                new Blob([app.scene.toFile(app.film.frames)], { type: 'application/json' })));
-    byId('load-state').addEventListener('click', () => this.open());
+    byId('load-state').addEventListener('click', () => app.openJson((given) => {
+      const { state, refused } = checkedState(given);
+      if (refused.length) throw new Error(`it has an unfit ${refused.join(', ')}`);
+      app.takeState(state);
+      if (Array.isArray(given.key_frames)) app.film.take(given.key_frames);
+    }, 'Give a scene that this page saved.'));
     byId('copy-link').addEventListener('click', () => this.copyLink());
   }
 
@@ -45,15 +50,6 @@ export class SnapshotPanel {
       showError(`The picture was not saved: ${error.message}`);
     }
     button.disabled = false;
-  }
-
-  open() {
-    this.app.openJson((given) => {
-      const { state, refused } = checkedState(given);
-      if (refused.length) throw new Error(`it has an unfit ${refused.join(', ')}`);
-      this.app.takeState(state);
-      if (Array.isArray(given.key_frames)) this.app.film.take(given.key_frames);
-    }, 'Give a scene that this page saved.');
   }
 
   /** The address has the scene, but not the token. */

@@ -47,7 +47,11 @@ export class TransferPanel {
       app.scene.change({ isovalue });
       app.commit();
     }, refresh);
-    byId('import-tf').addEventListener('click', () => this.open());
+    byId('import-tf').addEventListener('click', () => app.openJson(async (map) => {
+      if (JSON.stringify(map).length > mostBytes) throw new Error('it is larger than the server takes');
+      const { transfer_function } = await app.connection.ask({ type: 'map', map });
+      this.edit(transfer_function, true);
+    }, 'Give a colour map as ParaView exports it.'));
     byId('export-tf').addEventListener('click', () =>
       download(`${this.tf.name}.json`, new Blob([toParaView(this.tf)], { type: 'application/json' })));
     onSettings(() => this.editor.draw());
@@ -70,13 +74,6 @@ export class TransferPanel {
     if (this.app.channels.all.length) return;  // they have functions of their own
     this.app.scene.change({ transfer_function: tf });
     if (whole) this.app.commit();
-  }
-  open() {
-    this.app.openJson(async (map) => {
-      if (JSON.stringify(map).length > mostBytes) throw new Error('it is larger than the server takes');
-      const { transfer_function } = await this.app.connection.ask({ type: 'map', map });
-      this.edit(transfer_function, true);
-    }, 'Give a colour map as ParaView exports it.');
   }
 
   refresh() {
