@@ -21,25 +21,16 @@ void log_to_stderr(LogLevel level, const std::string& text);
 /// Logs a text once, on rank 0, and drops it when it comes again. For what is found whenever a file opens.
 void log_line_once(LogLevel level, const std::string& text);
 
-template <class... Args>
-void log_debug(fmt::format_string<Args...> f, Args&&... args) {
-  log_line(LogLevel::debug, fmt::format(f, std::forward<Args>(args)...));
-}
-template <class... Args>
-void log_info(fmt::format_string<Args...> f, Args&&... args) {
-  log_line(LogLevel::info, fmt::format(f, std::forward<Args>(args)...));
-}
-template <class... Args>
-void log_warning(fmt::format_string<Args...> f, Args&&... args) {
-  log_line(LogLevel::warning, fmt::format(f, std::forward<Args>(args)...));
-}
-template <class... Args>
-void log_warning_once(fmt::format_string<Args...> f, Args&&... args) {
-  log_line_once(LogLevel::warning, fmt::format(f, std::forward<Args>(args)...));
-}
-template <class... Args>
-void log_error(fmt::format_string<Args...> f, Args&&... args) {
-  log_line(LogLevel::error, fmt::format(f, std::forward<Args>(args)...));
-}
+/// Each logs what fmt::format makes of its arguments.
+template <LogLevel level, auto log = log_line>
+inline constexpr auto log_formatted = []<class... Args>(fmt::format_string<Args...> f, Args&&... args) {
+  log(level, fmt::format(f, std::forward<Args>(args)...));
+};
+inline constexpr auto log_debug = log_formatted<LogLevel::debug>;
+inline constexpr auto log_info = log_formatted<LogLevel::info>;
+inline constexpr auto log_info_once = log_formatted<LogLevel::info, log_line_once>;
+inline constexpr auto log_warning = log_formatted<LogLevel::warning>;
+inline constexpr auto log_warning_once = log_formatted<LogLevel::warning, log_line_once>;
+inline constexpr auto log_error = log_formatted<LogLevel::error>;
 
 }  // namespace ringsplat

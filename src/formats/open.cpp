@@ -72,14 +72,6 @@ void require_choice_there(const VolumeNotes& notes, const VolumeChoice& choice,
                      "leave --series out");
 }
 
-void say_which_frame(const VolumeNotes& notes, const VolumeChoice& choice,
-                     const std::filesystem::path& path) {
-  if (notes.frames > 1 && !choice.frame)
-    log_line_once(LogLevel::info,
-                  fmt::format("{}: time point 1 of {} is shown; --frame N takes another, 0 to {}",
-                              path.string(), notes.frames, notes.frames - 1));
-}
-
 bool is_zarr(const std::filesystem::path& folder) {
   return std::ranges::any_of(std::array{"zarr.json", ".zarray", ".zgroup", "attributes.json"},
                              [&](const char* name) { return std::filesystem::exists(folder / name); });
@@ -156,8 +148,11 @@ std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, con
       const VoxelBox box = choice.crop(source->grid());
       source = clipped_source(std::move(source), box);
     }
-    require_choice_there(source->notes(), choice, path);
-    say_which_frame(source->notes(), choice, path);
+    const VolumeNotes notes = source->notes();
+    require_choice_there(notes, choice, path);
+    if (notes.frames > 1 && !choice.frame)
+      log_info_once("{}: time point 1 of {} is shown; --frame N takes another, 0 to {}", path.string(),
+                    notes.frames, notes.frames - 1);
     return source;
   } catch (const std::filesystem::filesystem_error& error) {
     throw InputError(fmt::format("cannot open {}: {}", path.string(), error.code().message()),

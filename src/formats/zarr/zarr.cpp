@@ -155,10 +155,9 @@ std::optional<Level> find_level(const Node& group, const Json& image, const std:
     }
     constexpr double gib = 1 << 30;
     if (finer > 0)
-      log_line_once(LogLevel::info,
-                    fmt::format("{}: level {} of {} is shown: the next finer one would take {:.3g} GiB, and "
-                                "--memory allows {:.3g}",
-                                group.folder.string(), level.number, level.of, finer / gib, most / gib));
+      log_info_once(
+          "{}: level {} of {} is shown: the next finer one would take {:.3g} GiB, and --memory allows {:.3g}",
+          group.folder.string(), level.number, level.of, finer / gib, most / gib);
     return level;
   }
   return {};
