@@ -6,17 +6,15 @@
 /// One function a subcommand. All throw InputError and RunError.
 namespace ringsplat::app {
 
-/// All ranks call it.
-ExitCode run_render(const RenderOptions& options, Launch& launch);
-/// All ranks call it.
-ExitCode run_serve(const ServeOptions& options, Launch& launch);
-/// All ranks call it.
-ExitCode run_pyramid(const PyramidOptions& options, Launch& launch);
+// All ranks call these.
+ExitCode run(const RenderOptions& options, Launch& launch);
+ExitCode run(const ServeOptions& options, Launch& launch);
+ExitCode run(const PyramidOptions& options, Launch& launch);
 // The others run on one process.
-ExitCode run_info(const InfoOptions& options);
-ExitCode run_compare(const CompareOptions& options);
-ExitCode run_synth(const SynthOptions& options);
-ExitCode run_reference(const ReferenceOptions& options);
+ExitCode run(const InfoOptions& options);
+ExitCode run(const CompareOptions& options);
+ExitCode run(const SynthOptions& options);
+ExitCode run(const ReferenceOptions& options);
 
 /// The whole program: reads the command line, starts MPI when a launcher asks for it, runs the subcommand and
 /// reports errors. For wrong input rank 0 prints the message and all ranks return 2; a rank that fails prints

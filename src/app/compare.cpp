@@ -79,7 +79,7 @@ void write_difference(const CompareOptions& o, const Image& a, const Image& b) {
 
 }  // namespace
 
-ExitCode run_compare(const CompareOptions& o) {
+ExitCode run(const CompareOptions& o) {
   if (!o.difference.empty()) {
     check_image_name(o.difference, "--diff", false);
     check_can_write(o.difference, "--diff");

@@ -331,7 +331,7 @@ nlohmann::json json_of_presets() {
 
 }  // namespace
 
-ExitCode run_info(const InfoOptions& o) {
+ExitCode run(const InfoOptions& o) {
   if (o.presets) {
     write_text_output("-", o.json ? plain_json_text(json_of_presets(), 2) + "\n" : list_of_presets());
     return ExitCode::done;

@@ -11,9 +11,13 @@
 namespace ringsplat::app {
 namespace {
 
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
+ExitCode run(const Say& o) { return write_text_output("-", o.text), ExitCode::done; }
+ExitCode run(const std::monostate&) { return ExitCode::bad_input; }
+
+/// Of subcommands that all ranks run.
+template <class Options>
+constexpr bool is_collective = requires(const Options& o, Launch& launch) {
+  run(o, launch);
 };
 
 /// An outcome, and whether all ranks know it or only the one that failed.
@@ -32,25 +36,16 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
     return ExitCode::done;
   });
   if (agreed.code != ExitCode::done) return {agreed, agreed.code == ExitCode::bad_input};
-  const auto work = [&] {
-    return std::visit(Overloaded{[&](const RenderOptions& o) { return run_render(o, launch); },
-                                 [&](const ServeOptions& o) { return run_serve(o, launch); },
-                                 [&](const PyramidOptions& o) { return run_pyramid(o, launch); },
-                                 [](const Say& o) { return write_text_output("-", o.text), ExitCode::done; },
-                                 [](const InfoOptions& o) { return run_info(o); },
-                                 [](const CompareOptions& o) { return run_compare(o); },
-                                 [](const SynthOptions& o) { return run_synth(o); },
-                                 [](const ReferenceOptions& o) { return run_reference(o); },
-                                 [](const std::monostate&) { return ExitCode::bad_input; }},
-                      line.command);
+  const auto visit = [&]<class Options>(const Options& o) -> Ending {
+    if constexpr (is_collective<Options>) {
+      Outcome outcome = guarded([&] { return run(o, launch); });
+      const bool everywhere = outcome.code != ExitCode::run_failed;
+      return {std::move(outcome), everywhere};
+    } else {
+      return {launch.run_on_rank_0([&] { return run(o); }), true};
+    }
   };
-  if (!std::holds_alternative<RenderOptions>(line.command) &&
-      !std::holds_alternative<ServeOptions>(line.command) &&
-      !std::holds_alternative<PyramidOptions>(line.command))
-    return {launch.run_on_rank_0(work), true};
-  Outcome outcome = guarded(work);
-  const bool everywhere = outcome.code != ExitCode::run_failed;
-  return {std::move(outcome), everywhere};
+  return std::visit(visit, line.command);
 }
 
 /// With rank 0's number if wanted, which its lines do not have.

@@ -73,7 +73,7 @@ void write_part(const ZarrLevel& level, VolumeSource* source, int part, int part
 
 }  // namespace
 
-ExitCode run_pyramid(const PyramidOptions& o, Launch& launch) {
+ExitCode run(const PyramidOptions& o, Launch& launch) {
   const fs::path store(o.output);
   VolumeOptions finest = o.volume;
   if (!finest.choice.memory) finest.choice.memory = std::numeric_limits<double>::infinity();

@@ -43,7 +43,7 @@ void check_options(const ReferenceOptions& o) {
 
 }  // namespace
 
-ExitCode run_reference(const ReferenceOptions& o) {
+ExitCode run(const ReferenceOptions& o) {
   check_options(o);
   if (o.picture.path == "-")
     throw InputError("reference takes no views from stdin", "write them into a file for --path");

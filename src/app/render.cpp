@@ -124,7 +124,7 @@ ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
 
 }  // namespace
 
-ExitCode run_render(const RenderOptions& given, Launch& launch) {
+ExitCode run(const RenderOptions& given, Launch& launch) {
   Job job = prepare(given, launch);
   const RenderOptions& o = job.options;
   // Silent in a simulation: progress in simulated time tells nothing.

@@ -228,7 +228,7 @@ void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewe
 
 }  // namespace
 
-ExitCode run_serve(const ServeOptions& options, Launch& launch) {
+ExitCode run(const ServeOptions& options, Launch& launch) {
   std::unique_ptr<serve::Viewer> viewer;
   Warnings warnings;
   Job job = prepare(options, launch);

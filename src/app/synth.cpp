@@ -32,7 +32,7 @@ void check_room(const fs::path& file, const Grid& grid, bool compressed) {
 
 }  // namespace
 
-ExitCode run_synth(const SynthOptions& o) {
+ExitCode run(const SynthOptions& o) {
   if (o.list) {
     std::string text;
     for (const auto& synth : synth_names()) text += fmt::format("{:<20}{}\n", synth.name, synth.description);
