@@ -6,6 +6,7 @@
 #include <string>
 #include <tuple>
 
+#include "frame/frame_fields.hpp"
 #include "frame/frame_geometry.hpp"
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
@@ -25,27 +26,11 @@ Reader all_of(T& target) {
   return {"FLOAT", read, int(count)};
 }
 
-Reader image_size(FrameSpec& frame) {
-  return text([&frame](const std::string& word, const std::string& option) {
-    const glm::ivec2 size = parse_size(word, option);
-    frame.shown.width = size.x;
-    frame.shown.height = size.y;
-  });
-}
-
 /// A number whose default is shown as "1/512".
 Reader one_part(double& target) {
   Reader reader = value(target);
   reader.initial = fmt::format("1/{:g}", 1 / target);
   return reader;
-}
-
-/// A file for statistics, or the word "table".
-Reader statistics_file(RenderOptions& o) {
-  return text([&o](const std::string& file, const std::string&) {
-    o.stats_as_table = file == "table" || file.ends_with(".txt");
-    o.stats = file == "table" ? "-" : file;
-  });
 }
 
 void stand_at(Camera& camera, Side side, World world) {
@@ -109,7 +94,11 @@ void add_render_output_options(OptionList& list, RenderOptions& o) {
        "What each node did in each frame, as JSON; one array, or lines in a .jsonl; as a .txt, or the word "
        "table for one on stdout, what each rank did in all; of --stats, --trace and --tf-out one may be -, "
        "stdout, and lines of results then go to stderr",
-       statistics_file(o), Mark::of_program},
+       text([&o](const std::string& file, const std::string&) {
+         o.stats_as_table = file == "table" || file.ends_with(".txt");
+         o.stats = file == "table" ? "-" : file;
+       }),
+       Mark::of_program},
       {"--trace", "FILE", nullptr,
        "What each node did when, as Chrome trace-event JSON, which opens in Perfetto", value(o.trace),
        Mark::of_program},
@@ -197,7 +186,12 @@ void add_view_options(OptionList& list, RenderOptions& o) {
 
 void add_size_options(OptionList& list, RenderOptions& o) {
   list.below("Picture") += {
-      {"--size", "WxH", "512x512", "Pixels of the image", image_size(o.frame)},
+      {"--size", "WxH", "512x512", "Pixels of the image",
+       text([&o](const std::string& word, const std::string& option) {
+         const glm::ivec2 size = parse_size(word, option);
+         o.frame.shown.width = size.x;
+         o.frame.shown.height = size.y;
+       })},
       {"--no-opacity-correction", nullptr, nullptr,
        "Take opacities per slice, whatever the distance between slices along the ray",
        flag(o.frame.shown.opacity_correction, false)},
@@ -245,8 +239,7 @@ void add_size_options(OptionList& list, RenderOptions& o) {
       {"--interpolation", nullptr, nullptr,
        "The values between voxels, which sheets and the field's truth ask for: linear, or the nearest "
        "voxel's; without it nearest for labels, else linear",
-       choice(o.colour.interpolation,
-              {{"linear", Interpolation::linear}, {"nearest", Interpolation::nearest}})},
+       choice(o.colour.interpolation, named({Interpolation::linear, Interpolation::nearest}))},
   };
 }
 
@@ -281,8 +274,7 @@ void add_picture_options(OptionList& list, RenderOptions& o) {
        value(o.method.splats.kernel_radius), Mark::of_splats},
       {"--kernel", nullptr, initial,
        "Compute a kernel's weight in each pixel, or look it up in a table of the footprint",
-       choice(o.method.splats.kernel.method,
-              {{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}}),
+       choice(o.method.splats.kernel.method, named({KernelMethod::qee, KernelMethod::texture})),
        Mark::of_splats},
       {"--phases", nullptr, initial,
        "Texture: sub-pixel positions along each axis that the table knows, 1 to 16",
@@ -292,9 +284,8 @@ void add_picture_options(OptionList& list, RenderOptions& o) {
        value(o.method.splats.kernel.qee_bits), Mark::of_splats},
       {"--normalisation", nullptr, initial,
        "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel",
-       choice(o.method.splats.kernel.normalisation, {{"none", Normalisation::none},
-                                                     {"constant", Normalisation::constant},
-                                                     {"exact", Normalisation::exact}}),
+       choice(o.method.splats.kernel.normalisation,
+              named({Normalisation::none, Normalisation::constant, Normalisation::exact})),
        Mark::of_splats},
       {"--region", "N", nullptr,
        "Pixels of the side of a Renderer's region; without it 128, or less, down to 16, where that shares "
@@ -313,7 +304,7 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
       {"--image-plane", nullptr, nullptr,
        "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end; "
        "without it slices for --quality draft and normal",
-       choice(o.method.image_plane, {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}})},
+       choice(o.method.image_plane, named({ImagePlane::screen, ImagePlane::slices}))},
       {"--samples", "1|1.5|2|4", nullptr,
        "In the slices' plane: pixels a voxel along each axis, 1.5 for sheets only; without it 1.5 for "
        "--quality normal, else 1",
@@ -323,11 +314,9 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
        one_part(o.frame.shown.opaque_threshold)},
       {"--payload", nullptr, initial,
        "What GPs send: runs of voxels, or the paper's six words a splat; the same bits",
-       choice(o.method.splats.payload, {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}}),
-       Mark::of_splats},
+       choice(o.method.splats.payload, named({PayloadForm::runs, PayloadForm::words})), Mark::of_splats},
       {"--precision", nullptr, initial, "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel",
-       choice(o.method.splats.precision,
-              {{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}}),
+       choice(o.method.splats.precision, named({Precision::float32, Precision::half, Precision::u8})),
        Mark::of_splats},
   };
 }

@@ -19,13 +19,6 @@
 namespace ringsplat::detail {
 namespace {
 
-int dimension(const std::string& digits, const std::filesystem::path& path) {
-  const auto value = number_in<int>(digits);
-  if (!value)
-    refuse(path, "give the true size with --dims", "the dimension {} in its name is too large", digits);
-  return *value;
-}
-
 /// If x.raw has a header beside it, the user probably wants that.
 std::string hint_for(const std::filesystem::path& path) {
   for (const char* ending : {".nhdr", ".mhd"}) {
@@ -75,7 +68,11 @@ std::optional<Grid> parse_raw_name(const std::filesystem::path& path) {
   const std::string name = path.filename().string();
   std::smatch match;
   if (!std::regex_match(name, match, pattern)) return {};
-  const auto size = [&](std::size_t i) { return dimension(match[i].str(), path); };
+  const auto size = [&](std::size_t i) {
+    if (const auto value = number_in<int>(match[i].str())) return *value;
+    refuse(path, "give the true size with --dims", "the dimension {} in its name is too large",
+           match[i].str());
+  };
   return Grid{.dims = {size(1), size(2), size(3)}, .type = scalar_type_from(match[4].str())};
 }
 
