@@ -180,10 +180,10 @@ class Parser {
       app->formatter(help_formatter(subcommand.everyday));
       app->footer(fmt::format(config_help, subcommand.config) + "\n\nExamples:\n" + subcommand.examples);
       OptionList list;
-      subcommand.add_options(list, targets_);
+      Settle settle = subcommand.add_options(list);
       for (const Option& option : list) bind(*app, option);
       list.insert(list.begin(), {described(*app->get_help_ptr()), described(*app->get_help_all_ptr())});
-      subcommands_.push_back({&subcommand, std::move(list)});
+      subcommands_.push_back({&subcommand, std::move(list), std::move(settle)});
     }
   }
 
@@ -211,7 +211,7 @@ class Parser {
     line_.options = settled_options(chosen->what->name, options, program);
     refuse_contradictions(program);
     refuse_contradictions(options);
-    line_.command = chosen->what->settle(options, targets_);
+    line_.command = chosen->settle(options);
   }
 
   std::string help(CLI::AppFormatMode mode) const {
@@ -221,7 +221,6 @@ class Parser {
 
   CommandLine line_;
   CLI::App program_{fmt::format("{}: {}", summary, description), "ringsplat"};
-  AllOptions targets_;
   std::vector<BoundSubcommand> subcommands_;
 };
 

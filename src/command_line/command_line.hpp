@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -36,16 +37,9 @@ struct CommandLine {
 /// before it knows whether it is rank 0. `mpi` names the library of the ranks, for --version.
 CommandLine parse_command_line(int argc, const char* const* argv, const std::string& mpi = {});
 
-/// What the options of all subcommands are bound to.
-struct AllOptions {
-  RenderOptions render;
-  ServeOptions serve;
-  InfoOptions info;
-  CompareOptions compare;
-  SynthOptions synth;
-  PyramidOptions pyramid;
-  ReferenceOptions reference;
-};
+/// Completes the options of a subcommand once they are read, and returns them. Throws InputError when
+/// something is missing.
+using Settle = std::function<Command(const OptionList& list)>;
 
 struct Subcommand {
   const char* name;
@@ -53,16 +47,15 @@ struct Subcommand {
   const char* config;    ///< what lines of a --config file may be
   const char* examples;  ///< command lines, indented
   const char* everyday;  ///< the options that --help shows, with blanks between; empty: all
-  void (*add_options)(OptionList& list, AllOptions& options);
-  /// Completes the options once they are read, and returns them. Throws InputError when something is
-  /// missing.
-  Command (*settle)(const OptionList& list, AllOptions& options);
+  /// They are bound to targets that last as long as what is returned.
+  Settle (*add_options)(OptionList& list);
 };
 
 /// A subcommand and its options, bound to their targets.
 struct BoundSubcommand {
   const Subcommand* what;
   OptionList options;
+  Settle settle;
 };
 
 /// In the order of --help.

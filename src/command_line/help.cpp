@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cctype>
+#include <iterator>
 #include <sstream>
 #include <vector>
 
@@ -113,12 +114,10 @@ std::string roff(const std::string& text) {
 std::string bold(const std::string& text) { return "\\fB" + roff(text) + "\\fR"; }
 std::string italic(const std::string& text) { return "\\fI" + roff(text) + "\\fR"; }
 
-std::string upper(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return text;
+std::string section(std::string title) {
+  for (char& c : title) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  return ".SH " + roff(title) + "\n";
 }
-
-std::string section(const std::string& title) { return ".SH " + roff(upper(title)) + "\n"; }
 
 /// Command lines as they are typed.
 std::string example(const std::string& lines) { return ".PP\n.nf\n" + roff(lines) + "\n.fi\n"; }
@@ -149,19 +148,16 @@ bool is_among(const Option& option, const std::vector<Which>& all) {
   return std::ranges::any_of(all, [&](const Which& which) { return !which.value && means(which, option); });
 }
 
-void append(std::vector<std::string>& all, const std::vector<std::string>& more) {
-  all.insert(all.end(), more.begin(), more.end());
-}
-
 /// The rules for an option: "Not with --orbit. Needs --mesh."
 std::string relations_of(const Option& option, const OptionList& list) {
   std::vector<std::string> not_with;
   std::string needs;
   for (const Rule& rule : rules()) {
     const bool first = is_among(option, rule.options);
-    if (rule.relation == Relation::excludes && first) append(not_with, names_of(rule.others, list));
+    if (rule.relation == Relation::excludes && first)
+      std::ranges::copy(names_of(rule.others, list), std::back_inserter(not_with));
     if (rule.relation == Relation::excludes && is_among(option, rule.others))
-      append(not_with, names_of(rule.options, list));
+      std::ranges::copy(names_of(rule.options, list), std::back_inserter(not_with));
     const auto needed = names_of(rule.others, list);
     if (rule.relation == Relation::needs && first && !needed.empty())
       needs += fmt::format(" Needs {}.", joined(needed, " or "));
@@ -219,7 +215,7 @@ std::string man_page(const OptionList& program, std::span<const BoundSubcommand>
   for (const auto& subcommand : subcommands) text += synopsis_of(subcommand);
   text += section("Description") + roff(summary) + ": " + roff(description) + "\n";
   text += section("Options") + options_of(program);
-  for (const auto& [what, options] : subcommands) {
+  for (const auto& [what, options, settle] : subcommands) {
     text += section(fmt::format("ringsplat {}", what->name));
     text += roff(what->description) + std::string(".\n");
     text += options_of(options);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "base/text.hpp"
@@ -53,8 +54,7 @@ void add_ranks(OptionList& list, RunOptions& o) {
   add_protocol_options(list, o);
 }
 
-void add_render(OptionList& list, AllOptions& all) {
-  RenderOptions& o = all.render;
+void add_render(OptionList& list, RenderOptions& o) {
   add_volume(list, o, true);
   add_render_output_options(list, o);
   add_picture(list, o, true);
@@ -77,8 +77,7 @@ void settle_protocol(const OptionList& list, RenderOptions& o) {
   unless_given("--send-ahead", protocol.send_ahead, ahead.send_ahead);
 }
 
-Command settle_render(const OptionList& list, AllOptions& all) {
-  RenderOptions& o = all.render;
+Command settle_render(const OptionList& list, RenderOptions& o) {
   if (asks_for_colour_maps("render", o)) return Say{list_of_colour_maps()};
   // A run that only counts has no picture; a run for statistics needs none.
   if (o.output.empty() && o.stats.empty() && !o.run.simulation.count_only)
@@ -89,78 +88,78 @@ Command settle_render(const OptionList& list, AllOptions& all) {
   return o;
 }
 
-void add_serve(OptionList& list, AllOptions& all) {
-  RenderOptions& o = all.serve.picture;
+void add_serve(OptionList& list, ServeOptions& options) {
+  RenderOptions& o = options.picture;
   // Less waiting for tokens, also of splats; no picture changes (docs/performance.md).
   o.run.protocol.look_ahead = o.run.protocol.send_ahead = 4;
   add_volume(list, o, true);
-  add_server_options(list, all.serve);
+  add_server_options(list, options);
   add_camera_options(list, o);
   add_size_options(list, o);
   add_shading_options(list, o);
   add_ranks(list, o.run);
 }
 
-Command settle_serve(const OptionList& list, AllOptions& all) {
-  RenderOptions& o = all.serve.picture;
+Command settle_serve(const OptionList& list, ServeOptions& options) {
+  RenderOptions& o = options.picture;
   if (asks_for_colour_maps("serve", o)) return Say{list_of_colour_maps()};
   settle_picture(list, o);
   o.frame.shown.camera.fit = Fit::sphere;  // turning changes no sizes
-  static_cast<void>(serve::frame_ancestors(all.serve.allowed_frames));
+  static_cast<void>(serve::frame_ancestors(options.allowed_frames));
   if (o.run.topology == Topology::mesh && !list.is_given("--send-ahead")) o.run.protocol.send_ahead = 0;
   settle_protocol(list, o);
-  return all.serve;
+  return options;
 }
 
-void add_info(OptionList& list, AllOptions& all) {
-  add_volume(list, all.info.picture, false);
-  add_info_options(list, all.info);
-  add_picture(list, all.info.picture, false);
-  add_shortcut_options(list, all.info.picture);
+void add_info(OptionList& list, InfoOptions& o) {
+  add_volume(list, o.picture, false);
+  add_info_options(list, o);
+  add_picture(list, o.picture, false);
+  add_shortcut_options(list, o.picture);
 }
 
-Command settle_info(const OptionList& list, AllOptions& all) {
-  RenderOptions& o = all.info.picture;
-  if (!all.info.presets && asks_for_colour_maps("info", o)) return Say{list_of_colour_maps()};
-  refuse_several_channels("info", o.volume);
-  settle_picture(list, o);
-  return all.info;
+Command settle_info(const OptionList& list, InfoOptions& o) {
+  if (!o.presets && asks_for_colour_maps("info", o.picture)) return Say{list_of_colour_maps()};
+  refuse_several_channels("info", o.picture.volume);
+  settle_picture(list, o.picture);
+  return o;
 }
 
-void add_reference(OptionList& list, AllOptions& all) {
-  add_volume(list, all.reference.picture, false);
-  add_reference_options(list, all.reference);
-  add_picture(list, all.reference.picture, true);
+void add_reference(OptionList& list, ReferenceOptions& o) {
+  add_volume(list, o.picture, false);
+  add_reference_options(list, o);
+  add_picture(list, o.picture, true);
 }
 
-Command settle_reference(const OptionList& list, AllOptions& all) {
-  RenderOptions& o = all.reference.picture;
-  if (asks_for_colour_maps("reference", o)) return Say{list_of_colour_maps()};
-  refuse_several_channels("reference", o.volume);
-  settle_picture(list, o);
-  note_options_without_effect(list, all.reference);
-  return all.reference;
+Command settle_reference(const OptionList& list, ReferenceOptions& o) {
+  if (asks_for_colour_maps("reference", o.picture)) return Say{list_of_colour_maps()};
+  refuse_several_channels("reference", o.picture.volume);
+  settle_picture(list, o.picture);
+  note_options_without_effect(list, o);
+  return o;
 }
 
-// Of subcommands whose options need no completion.
-template <auto options, auto add>
-void add_plain(OptionList& list, AllOptions& all) {
-  add(list, all.*options);
+void add_pyramid(OptionList& list, PyramidOptions& o) {
+  add_volume_options(list, o.volume);
+  add_pyramid_options(list, o);
 }
 
-void add_pyramid(OptionList& list, AllOptions& all) {
-  add_volume_options(list, all.pyramid.volume);
-  add_pyramid_options(list, all.pyramid);
+Command settle_pyramid(const OptionList&, PyramidOptions& o) {
+  refuse_several_channels("pyramid", o.volume);
+  return o;
 }
 
-Command settle_pyramid(const OptionList&, AllOptions& all) {
-  refuse_several_channels("pyramid", all.pyramid.volume);
-  return all.pyramid;
+template <class Options>
+Command as_read(const OptionList&, Options& options) {
+  return options;
 }
 
-template <auto options>
-Command as_read(const OptionList&, AllOptions& all) {
-  return all.*options;
+template <class Options, void (*add)(OptionList&, Options&),
+          Command (*settle)(const OptionList&, Options&) = as_read<Options>>
+Settle bound(OptionList& list) {
+  const auto options = std::make_shared<Options>();
+  add(list, *options);
+  return [options](const OptionList& given) { return settle(given, *options); };
 }
 
 constexpr const char* render_examples =
@@ -208,24 +207,24 @@ constexpr const char* reference_examples =
 
 constexpr Subcommand all_subcommands[] = {
     {"render", "Render a volume: one view, an orbit or a path of views",
-     "gps = 4, size = \"640x480\" or light = [-0.4, 0.6, 0.7]", render_examples, everyday_render, add_render,
-     settle_render},
+     "gps = 4, size = \"640x480\" or light = [-0.4, 0.6, 0.7]", render_examples, everyday_render,
+     bound<RenderOptions, add_render, settle_render>},
     {"serve", "Show a volume in a browser, drawn by the ranks while it is turned",
-     "port = 8080, target-ms = 60 or size = \"640x480\"", serve_examples, everyday_serve, add_serve,
-     settle_serve},
+     "port = 8080, target-ms = 60 or size = \"640x480\"", serve_examples, everyday_serve,
+     bound<ServeOptions, add_serve, settle_serve>},
     {"info", "Say what is in a volume, how much memory its GPs need and how ranks render it soonest",
-     "gps = 4 or size = \"640x480\"", info_examples, everyday_info, add_info, settle_info},
+     "gps = 4 or size = \"640x480\"", info_examples, everyday_info,
+     bound<InfoOptions, add_info, settle_info>},
     {"compare", "Compare two pictures; exit with 1 when they differ too much", "threshold = 2",
-     compare_examples, "", add_plain<&AllOptions::compare, add_compare_options>,
-     as_read<&AllOptions::compare>},
+     compare_examples, "", bound<CompareOptions, add_compare_options>},
     {"synth", "Write an analytic test volume", "dims = \"64x64x32\"", synth_examples, "",
-     add_plain<&AllOptions::synth, add_synth_options>, as_read<&AllOptions::synth>},
+     bound<SynthOptions, add_synth_options>},
     {"pyramid",
      "Write a volume in coarser and coarser levels, as OME-Zarr, for when it is too large as a whole",
-     "labels = true", pyramid_examples, "", add_pyramid, settle_pyramid},
+     "labels = true", pyramid_examples, "", bound<PyramidOptions, add_pyramid, settle_pyramid>},
     {"reference", "Compute the true picture in double precision, to compare with",
-     "size = \"640x480\" or truth = \"field\"", reference_examples, everyday_reference, add_reference,
-     settle_reference},
+     "size = \"640x480\" or truth = \"field\"", reference_examples, everyday_reference,
+     bound<ReferenceOptions, add_reference, settle_reference>},
 };
 
 /// Writes "1", "1.0" and "1e0" alike. Integers that a double cannot hold stay as they are.
@@ -247,20 +246,16 @@ std::string value_of(const Option& option) {
   return value.empty() ? "(none)" : value;
 }
 
-bool may_differ(const Option& option) {
-  return option.has_name("--config") || option.has_name("--verbose") || option.has_name("--help") ||
-         option.has_name("--help-all");
-}
-
 }  // namespace
 
 std::span<const Subcommand> subcommands() { return all_subcommands; }
 
 Facts settled_options(const char* subcommand, const OptionList& options, const OptionList& program) {
+  constexpr std::string_view may_differ[] = {"--config", "--verbose", "--help", "--help-all"};
   Facts facts{{"subcommand", subcommand}};
   for (const OptionList* list : {&options, &program})
     for (const Option& option : *list)
-      if (!may_differ(option))
+      if (std::ranges::find(may_differ, option.name()) == std::end(may_differ))
         facts.push_back({option.is_positional() ? option.form : option.name(), value_of(option)});
   return facts;
 }

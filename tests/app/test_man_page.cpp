@@ -156,9 +156,8 @@ TEST_CASE("--man needs no subcommand, and a file cannot ask for it") {
 }
 
 TEST_CASE("every rule is about options that a subcommand has") {
-  AllOptions options;
   std::vector<OptionList> lists;
-  for (const Subcommand& subcommand : subcommands()) subcommand.add_options(lists.emplace_back(), options);
+  for (const Subcommand& subcommand : subcommands()) subcommand.add_options(lists.emplace_back());
   for (const Rule& rule : rules())
     for (const Which& which : rule.options) {
       INFO((which.option.empty() ? "every option" : which.option) << ": " << rule.way_out);
