@@ -29,7 +29,6 @@ constexpr double shown_shares[] = {0, 0.001, 0.01, 0.25, 0.5, 0.75, 0.99, 0.999,
 
 ValueStatistics read_values(VolumeSource& source, Progress& progress) {
   const Grid& grid = source.grid();
-  const VolumeNotes notes = source.notes();
   constexpr std::size_t batch_bytes = std::size_t{8} << 20;
   const std::size_t slice = grid.slice_bytes(Axis::z);
   const int batch = int(std::clamp<std::size_t>(batch_bytes / slice, 1, std::size_t(grid.dims.z)));
@@ -45,7 +44,7 @@ ValueStatistics read_values(VolumeSource& source, Progress& progress) {
     }
     progress.end();
   };
-  return describe_values({grid.type, notes.fill}, grid.dims, notes, pass);
+  return describe_values(grid, source.notes(), pass);
 }
 
 std::string human_bytes(std::uint64_t bytes) {
@@ -121,8 +120,8 @@ const char* name(World world) {
 }
 
 /// What the file says beside the lattice, as name and value; nothing of what it does not say.
-std::vector<std::pair<const char*, std::string>> rows_of(const VolumeNotes& notes, int frame,
-                                                         const ValueStatistics& values) {
+std::vector<std::pair<const char*, std::string>> rows_of(const ValueStatistics& values, int frame) {
+  const VolumeNotes& notes = values.notes;
   std::vector<std::pair<const char*, std::string>> rows;
   const auto row = [&](const char* what, const std::string& text) {
     if (!text.empty()) rows.emplace_back(what, text);
@@ -147,14 +146,13 @@ std::vector<std::pair<const char*, std::string>> rows_of(const VolumeNotes& note
 /// What info has found in the part of the volume that is shown.
 struct Found {
   Grid whole, part;
-  VolumeNotes notes;
   ValueStatistics values;
   bool concurrent;
 };
 
 /// GPs hold whole slices, whatever part is shown.
 std::string to_text(const InfoOptions& o, const Found& found) {
-  const auto& [whole, grid, notes, values, concurrent] = found;
+  const auto& [whole, grid, values, concurrent] = found;
   const glm::dvec3 extent = glm::dvec3(grid.dims) * grid.spacing;
   std::string text;
   const auto row = [&](const char* name, const std::string& value) {
@@ -172,7 +170,7 @@ std::string to_text(const InfoOptions& o, const Found& found) {
                                 triple_text(d[2], " ")));
   row("size", triple_text(extent, " x "));
   row("reading", concurrent ? "by all ranks at once" : "decoded by rank 0");
-  for (const auto& [what, value] : rows_of(notes, o.picture.volume.choice.frame.value_or(0), values))
+  for (const auto& [what, value] : rows_of(values, o.picture.volume.choice.frame.value_or(0)))
     row(what, value);
   row("range", values.range.empty()
                    ? "no finite value"
@@ -192,7 +190,8 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   return text + "\n";
 }
 
-nlohmann::json to_json(const VolumeNotes& notes, const ValueStatistics& values) {
+nlohmann::json to_json(const ValueStatistics& values) {
+  const VolumeNotes& notes = values.notes;
   nlohmann::json j{{"world", name(notes.world)}, {"frames", notes.frames}, {"channels", notes.channels}};
   for (const auto& [what, text] :
        {std::pair("unit", &notes.unit), {"quantity", &notes.quantity}, {"modality", &notes.modality}})
@@ -204,7 +203,7 @@ nlohmann::json to_json(const VolumeNotes& notes, const ValueStatistics& values) 
 }
 
 nlohmann::json to_json(const InfoOptions& o, const Found& found) {
-  const auto& [whole, grid, notes, values, concurrent] = found;
+  const auto& [whole, grid, values, concurrent] = found;
   nlohmann::json j;
   const auto triple = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
   j["volume"] = o.picture.volume.path;
@@ -232,7 +231,7 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
                     {"counts", histogram.counts},
                     {"below", histogram.below},
                     {"above", histogram.above}};
-  j["notes"] = to_json(notes, values);
+  j["notes"] = to_json(values);
   for (const int gps : counts_of_gps(o)) {
     nlohmann::json& row = j["slice_memory_of_a_gp"].emplace_back();
     row = {{"gps", gps}, {"bundle", o.bundle}};
@@ -340,7 +339,7 @@ ExitCode run(const InfoOptions& o) {
   WatchedSource source(open_volume(o.picture.volume), progress);
   const auto clip = clip_box(o.picture.clip, source.grid());
   const auto part = clipped_source(source, clip.value_or(whole_box(source.grid())));
-  const Found found{source.grid(), part->grid(), source.notes(), read_values(clip ? *part : source, progress),
+  const Found found{source.grid(), part->grid(), read_values(clip ? *part : source, progress),
                     source.concurrent()};
   std::optional<Foreseen> predicted;
   if (o.ranks > 0) predicted = foresee(o, source, progress);

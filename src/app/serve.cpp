@@ -91,8 +91,8 @@ std::vector<ValueRange> ranges_of(const Scene& scene) {
   return ranges;
 }
 
-serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const VolumeNotes& notes,
-                                    const Scene& scene, MadeFunction made, const Launch& launch) {
+serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const Scene& scene,
+                                    MadeFunction made, const Launch& launch) {
   const RenderOptions& o = job.options;
   serve::ViewerOptions v;
   v.layout =
@@ -102,8 +102,8 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   const AutoChoice usual = choose_function(scene.values);
   v.volume = {(path.has_filename() ? path : path.parent_path()).filename().string(),
               scene.grid,
-              notes.world == World::patient,
-              notes.unit,
+              scene.values.notes.world == World::patient,
+              scene.values.notes.unit,
               usual.hounsfield,
               ranges_of(scene),
               scene.values.histogram};
@@ -233,7 +233,6 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   Warnings warnings;
   Job job = prepare(options, launch);
   Progress progress(launch.rank() != 0, stderr);
-  const VolumeNotes notes = job.volume.notes;
   SeriesLoader loader(job, pictures_held, progress, launch);
   Scene scene = loader.load_channels(0);
   MadeFunction made;
@@ -249,7 +248,7 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
     scene = loader.load(0);
   }
   launch.check_on_rank_0([&] {
-    viewer = serve::make_viewer(viewer_options(options, job, notes, scene, std::move(made), launch));
+    viewer = serve::make_viewer(viewer_options(options, job, scene, std::move(made), launch));
     if (options.address != "127.0.0.1" && options.address != "::1")
       log_warning(
           "--bind {}: everybody who can reach this machine and learns the token sees the volume, and what "

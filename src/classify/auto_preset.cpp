@@ -61,7 +61,7 @@ void lay(const Ramp& ramp, TransferFunction& tf, std::size_t first = 0) {
 AutoChoice even_haze(const ValueStatistics& s) {
   const DataRange range = range_of(s.histogram);
   TransferFunction tf;
-  const glm::dvec3 colour = ramp_for(s.world).colours[2];
+  const glm::dvec3 colour = ramp_for(s.notes.world).colours[2];
   tf.colours = {{range.low, colour}, {range.high, colour}};
   tf.opacities = {{range.low, haze}, {range.high, haze}};
   return {tf, fmt::format("every voxel is {:g}: an even haze", plain(s.range.low)), false, range};
@@ -102,7 +102,7 @@ void clear_outside(TransferFunction& tf, const Data& d) {
 // CT
 
 std::optional<AutoChoice> choose_ct(const ValueStatistics& s, const Data& d) {
-  const bool said = s.modality == "CT" && d.low() < -200 && d.high() > 100;
+  const bool said = s.notes.modality == "CT" && d.low() < -200 && d.high() > 100;
   const double air = share_within(d.bins, -1100, -850), soft = share_within(d.bins, -150, 250),
                between = share_within(d.bins, -600, -250), bone = share_within(d.bins, 300, 1e5);
   const bool of_its_range = s.range.low <= -900 && s.range.low >= -4096 && s.range.high > 1000 &&
@@ -327,7 +327,7 @@ AutoChoice choose_within(const ValueStatistics& s, const DataRange& window, bool
   TransferFunction tf;
   tf.name = "auto";
   tf.opacities = {{window.low, 0.0}, {value(common), haze}, {value(rare), 0.3}, {window.high, 0.7}};
-  const Ramp& ramp = ramp_for(s.world);
+  const Ramp& ramp = ramp_for(s.notes.world);
   lay(ramp, tf);
   if (logarithmic) tf = at_logarithmic_steps(tf);
   balance(tf, d);
@@ -360,18 +360,18 @@ AutoChoice choose_function(const ValueStatistics& s) {
   AutoChoice choice;
   if (single) {
     choice = even_haze(s);
-  } else if (s.labels.size() > 1 && (s.noted_labels || look_like_labels(s))) {
-    choice = labelled(s.labels, s.noted_labels ? "the file says so" : "few whole numbers in pieces");
+  } else if (s.labels.size() > 1 && (s.notes.labels || look_like_labels(s))) {
+    choice = labelled(s.labels, s.notes.labels ? "the file says so" : "few whole numbers in pieces");
   } else {
     const Data d = data_of(s);
     if (const auto ct = choose_ct(s, d))
       choice = *ct;
     else if (const auto diverging = choose_signed(d))
       choice = *diverging;
-    else if (const auto logarithmic = choose_logarithmic(d, ramp_for(s.world)))
+    else if (const auto logarithmic = choose_logarithmic(d, ramp_for(s.notes.world)))
       choice = *logarithmic;
     else
-      choice = choose_generic(d, ramp_for(s.world));
+      choice = choose_generic(d, ramp_for(s.notes.world));
     clear_outside(choice.function, d);
   }
   choice.function.name = "auto";

@@ -50,7 +50,7 @@ AutoChoice choose_for_mode(Mode mode, const ValueStatistics& values, const Grid&
     range = window_of(mode, data_of(values), grid);
   if (!(range.low < range.high)) range.high = range.low + std::max(1.0, 1e-6 * std::abs(range.low));
   const glm::dvec3 bone{0.95, 0.86, 0.74}, stone{0.8, 0.8, 0.8},
-      even = values.world == World::patient ? bone : stone;
+      even = values.notes.world == World::patient ? bone : stone;
   AutoChoice choice;
   choice.function.name = "auto";
   if (mode == Mode::surface)

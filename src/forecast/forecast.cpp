@@ -60,12 +60,11 @@ VolumeSketch sketch_of(VolumeSource& source) {
 
 TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice& choice) {
   const Grid& grid = source.grid();
-  const VolumeNotes notes = source.notes();
   const std::vector<Section> sections = read_sections(source);
   const Pass pass = [&](const RowVisitor& visit) {
     for (const Section& section : sections) visit(section, grid.dims.x);
   };
-  return choice.make(describe_values({grid.type, notes.fill}, grid.dims, notes, pass), grid).function;
+  return choice.make(describe_values(grid, source.notes(), pass), grid).function;
 }
 
 std::vector<Camera> some_views(const std::vector<Camera>& cameras) {
@@ -261,8 +260,7 @@ std::vector<Prediction> Forecast::predict_all(const std::vector<Layout>& layouts
   const auto order = [](const Prediction& p) {
     return std::tuple(p.seconds, p.layout.renderers, p.layout.gps, p.layout.placement, p.layout.topology);
   };
-  std::stable_sort(all.begin(), all.end(),
-                   [&](const Prediction& a, const Prediction& b) { return order(a) < order(b); });
+  std::ranges::stable_sort(all, {}, order);
   return all;
 }
 

@@ -168,7 +168,7 @@ ValueStatistics share_values(const std::map<int, SliceStore>& stores, const Grid
     sum(tally.counts);
     merge_distinct(tally.distinct, collectives);
   };
-  return describe_values({grid.type, notes.fill}, grid.dims, notes, pass, {merge, sum});
+  return describe_values(grid, notes, pass, {merge, sum});
 }
 
 }  // namespace ringsplat

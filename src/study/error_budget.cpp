@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 #include <variant>
 
 #include "base/clock.hpp"
@@ -162,6 +163,9 @@ std::size_t replace_unproved(Image& image, const truth::PixelSample& sample,
   return replaced;
 }
 
+/// How narrow proved bounds are made: a tenth of a level, half of one where light adds its own.
+double certified_width(const truth::Scene& scene) { return (scene.shaded() ? 0.5 : 0.1) / truth::levels; }
+
 /// By bounds in place of a truth. The estimate is that of their middles.
 MeasuredError measure_certified(Image& image, const truth::Scene& scene, const ErrorOptions& options,
                                 std::size_t pixels) {
@@ -244,9 +248,8 @@ std::optional<std::size_t> cheapest_within(std::span<const MeasuredShortcuts> me
 }
 
 std::size_t most_exact(std::span<const MeasuredShortcuts> measured) {
-  const auto best = std::min_element(measured.begin(), measured.end(), [](const auto& a, const auto& b) {
-    return a.rmse_high != b.rmse_high ? a.rmse_high < b.rmse_high : a.seconds < b.seconds;
-  });
+  const auto best = std::ranges::min_element(
+      measured, {}, [](const MeasuredShortcuts& m) { return std::pair(m.rmse_high, m.seconds); });
   return std::size_t(best - measured.begin());
 }
 
@@ -272,7 +275,6 @@ WholeVolume read_whole(VolumeSource& source) {
             needed / (1 << 30), machine / (1 << 30)),
         "measure on a smaller volume");
   WholeVolume volume{{grid, truth::read_values(source)}, {}};
-  const VolumeNotes notes = source.notes();
   const Pass pass = [&, of_slice = std::ptrdiff_t(grid.slice_voxels(Axis::z))](const RowVisitor& visit) {
     visit_type(grid.type, [&](auto zero) {
       for (auto at = volume.scene.values.begin(); at != volume.scene.values.end(); at += of_slice) {
@@ -281,11 +283,9 @@ WholeVolume read_whole(VolumeSource& source) {
       }
     });
   };
-  volume.statistics = describe_values({grid.type, notes.fill}, grid.dims, notes, pass);
+  volume.statistics = describe_values(grid, source.notes(), pass);
   return volume;
 }
-
-double certified_width(const truth::Scene& scene) { return (scene.shaded() ? 0.5 : 0.1) / truth::levels; }
 
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e,
                                   std::span<const truth::Pixel> pixels) {

@@ -79,8 +79,6 @@ struct Evaluation {
   double tolerance = 1e-6;
   std::string formula = {};
 };
-/// How narrow proved bounds are made: a tenth of a level, half of one where light adds its own.
-double certified_width(const truth::Scene& scene);
 /// `certified`: the middle of the bounds.
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& evaluation,
                                   std::span<const truth::Pixel> pixels);

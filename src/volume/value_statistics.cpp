@@ -188,15 +188,13 @@ double ValueStatistics::quantile(double share) const {
   return range.high;
 }
 
-ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const VolumeNotes& notes,
-                                const Pass& pass, const Merging& merging) {
+ValueStatistics describe_values(const Grid& grid, const VolumeNotes& notes, const Pass& pass,
+                                const Merging& merging) {
   ValueStatistics s;
-  s.kind = kind;
-  s.dims = dims;
-  s.modality = notes.modality;
-  s.world = notes.world;
-  s.noted_labels = notes.labels;
-  ValueTally tally(kind);
+  s.kind = {grid.type, notes.fill};
+  s.dims = grid.dims;
+  s.notes = notes;
+  ValueTally tally(s.kind);
   pass([&](std::span<const std::byte> rows, int) { tally.add(rows); });
   merging.merge(tally);
   s.range = tally.range;

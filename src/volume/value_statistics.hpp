@@ -66,7 +66,6 @@ class ValueTally {
   DistinctValues distinct;            ///< of wide types, while all values are whole numbers
 
  private:
-  void count(std::span<const std::byte> values);
   void look_for_labels(std::span<const std::byte> values);
 
   ValueKind kind_;
@@ -104,9 +103,7 @@ struct ValueStatistics {
   /// All values, ascending, when they are few different whole numbers; else empty.
   std::vector<double> labels;
   std::optional<NeighbourCounts> neighbours;  ///< when `labels` are few enough to be looked at
-  std::string modality = {};                  ///< as in VolumeNotes
-  World world = World::lattice;
-  bool noted_labels = false;  ///< the file says that its values are labels
+  VolumeNotes notes = {};
 
   /// The value below which `share` of the voxels lie; exact to a bin.
   double quantile(double share) const;
@@ -125,8 +122,8 @@ struct Merging {
 /// Goes through the values one to three times: counts by key, equal bins of types whose values have no key of
 /// their own, and neighbours where there are few different whole numbers. The same on all processes, for any
 /// number of them.
-ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const VolumeNotes& notes,
-                                const Pass& pass, const Merging& merging = {});
+ValueStatistics describe_values(const Grid& grid, const VolumeNotes& notes, const Pass& pass,
+                                const Merging& merging = {});
 
 /// Of a histogram alone.
 ValueStatistics describe_values(const Histogram& histogram);

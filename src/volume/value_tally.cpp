@@ -132,15 +132,11 @@ ValueTally::Edges ValueTally::edges_of(ScalarType type, std::size_t key) {
 void ValueTally::add(std::span<const std::byte> values) {
   fill += for_each_unfilled(kind_, values, [this](std::span<const std::byte> some) {
     range.add(kind_.type, some);
-    count(some);
+    for_values(kind_.type, some, [this](auto typed_values) {
+      for (const auto value : typed_values)
+        if (is_finite(value)) ++counts[key_of_value(value)];
+    });
     look_for_labels(some);
-  });
-}
-
-void ValueTally::count(std::span<const std::byte> values) {
-  for_values(kind_.type, values, [&](auto some) {
-    for (const auto value : some)
-      if (is_finite(value)) ++counts[key_of_value(value)];
   });
 }
 

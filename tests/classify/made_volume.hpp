@@ -38,7 +38,7 @@ struct Volume {
   }
   ValueStatistics statistics() const {
     const Pass pass = [&](const RowVisitor& visit) { visit(std::as_bytes(std::span(voxels)), side); };
-    return describe_values({type_of_values<T>(), notes.fill}, glm::ivec3(side), notes, pass);
+    return describe_values({.dims = glm::ivec3(side), .type = type_of_values<T>()}, notes, pass);
   }
   AutoChoice choice() const {
     auto made = choose_function(statistics());
