@@ -25,8 +25,7 @@ const std::pair<const char*, glm::dvec3> usual_colours[] = {{"cyan", {0, 1, 1}},
                                                             {"green", {0, 1, 0}},  {"red", {1, 0, 0}}};
 
 Colour colour_named(const std::string& text) {
-  for (const auto& [name, colour] : usual_colours)
-    if (text == name) return colour;
+  if (const Colour colour = detail::found(usual_colours, text)) return colour;
   if (text.starts_with('#'))
     if (const Colour colour = hex_colour(text.substr(1))) return colour;
   const auto light = parse_colour(text, "--channel");

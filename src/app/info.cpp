@@ -160,8 +160,8 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   };
   row("volume", o.picture.volume.path);
   if (const auto clip = clip_box(o.picture.clip, whole))
-    row("clip", fmt::format("{} of {} x {} x {}", text_of(*clip), whole.dims.x, whole.dims.y, whole.dims.z));
-  row("shape", fmt::format("{} x {} x {}, {} voxels", grid.dims.x, grid.dims.y, grid.dims.z, grid.voxels()));
+    row("clip", fmt::format("{} of {}", text_of(*clip), detail::product_of(whole.dims)));
+  row("shape", fmt::format("{}, {} voxels", detail::product_of(grid.dims), grid.voxels()));
   row("type", fmt::format("{}, {} in all", to_string(grid.type), human_bytes(grid.bytes())));
   row("spacing", triple_text(grid.spacing, " x "));
   row("origin", triple_text(grid.origin, " "));

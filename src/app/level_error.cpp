@@ -67,11 +67,11 @@ std::string level_error(const Image& picture, const truth::Scene& shown, const R
     for (int c = 0; c < 4; ++c)
       of_level.pixel(sample.pixels[k].x, sample.pixels[k].y)[c] = float(colours[k][c]);
   const auto error = truth::sampled_error(of_level, sample, truth::field_truth(fine, sample.pixels));
-  const glm::ivec3 of = fine.grid.dims;
   return fmt::format(
       "this level of the pyramid against the finest: {:.4g}/255 rms (95 %: {:.4g} to {:.4g}), "
-      "largest {:.4g}; {} pixels of the middle, {} x {} x {} of the finest's voxels",
-      error.rmse, error.rmse_low, error.rmse_high, error.largest, error.pixels, of.x, of.y, of.z);
+      "largest {:.4g}; {} pixels of the middle, {} of the finest's voxels",
+      error.rmse, error.rmse_low, error.rmse_high, error.largest, error.pixels,
+      detail::product_of(fine.grid.dims));
 }
 
 }  // namespace ringsplat::app

@@ -101,10 +101,9 @@ ExitCode run(const PyramidOptions& o, Launch& launch) {
   launch.check_on_rank_0([&] {
     write_ome_zarr(store, levels, volume.notes);
     fs::remove(store / ".begun");
-    const auto& coarsest = levels.back().dims;
-    progress.print(fmt::format("{}  {} levels, {} x {} x {} to {} x {} x {} {}", store.string(),
-                               levels.size(), volume.grid.dims.x, volume.grid.dims.y, volume.grid.dims.z,
-                               coarsest.x, coarsest.y, coarsest.z, to_string(volume.grid.type)));
+    progress.print(fmt::format("{}  {} levels, {} to {} {}", store.string(), levels.size(),
+                               detail::product_of(volume.grid.dims), detail::product_of(levels.back().dims),
+                               to_string(volume.grid.type)));
   });
   return ExitCode::done;
 }

@@ -4,6 +4,7 @@
 
 #include "app/commands.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "formats/write.hpp"
 #include "program/progress.hpp"
 #include "program/text_output.hpp"
@@ -22,9 +23,9 @@ void check_room(const fs::path& file, const Grid& grid, bool compressed) {
   std::error_code error;
   const auto space = fs::space(file.has_parent_path() ? file.parent_path() : ".", error);
   if (error || needed <= space.available) return;
-  const std::string problem = fmt::format(
-      "{} cannot be written: {} x {} x {} {} needs {} KiB, but the disk has {} KiB left", file.string(),
-      grid.dims.x, grid.dims.y, grid.dims.z, to_string(grid.type), needed >> 10, space.available >> 10);
+  const std::string problem =
+      fmt::format("{} cannot be written: {} {} needs {} KiB, but the disk has {} KiB left", file.string(),
+                  detail::product_of(grid.dims), to_string(grid.type), needed >> 10, space.available >> 10);
   const bool full = space.available < space.capacity / 100;
   if (needed > space.capacity && !full) throw InputError(problem, "use smaller --dims");
   throw RunError(problem, "make room, or use smaller --dims");
@@ -57,8 +58,8 @@ ExitCode run(const SynthOptions& o) {
   WatchedSource watched(std::move(source), progress);
   const auto written = write_volume(watched, o.output, !o.no_compression);
   progress.end();
-  progress.print(fmt::format("{}  {} x {} x {} {}", written.string(), grid.dims.x, grid.dims.y, grid.dims.z,
-                             to_string(grid.type)));
+  progress.print(
+      fmt::format("{}  {} {}", written.string(), detail::product_of(grid.dims), to_string(grid.type)));
   return ExitCode::done;
 }
 

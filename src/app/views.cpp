@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <utility>
 
 #include "base/printable.hpp"
 #include "base/text.hpp"
@@ -15,20 +16,13 @@ namespace {
 
 using nlohmann::json;
 
-struct Field {
-  const char* name;
-  double Camera::*part;
-};
-constexpr Field fields[] = {{"azimuth", &Camera::azimuth}, {"elevation", &Camera::elevation},
-                            {"roll", &Camera::roll},       {"zoom", &Camera::zoom},
-                            {"fov", &Camera::fov},         {"distance", &Camera::distance}};
+constexpr std::pair<const char*, double Camera::*> fields[] = {
+    {"azimuth", &Camera::azimuth}, {"elevation", &Camera::elevation},
+    {"roll", &Camera::roll},       {"zoom", &Camera::zoom},
+    {"fov", &Camera::fov},         {"distance", &Camera::distance}};
 constexpr std::size_t usual_columns = 4;
 
-double Camera::*field_named(const std::string& name) {
-  for (const auto& field : fields)
-    if (name == field.name) return field.part;
-  return nullptr;
-}
+double Camera::*field_named(const std::string& name) { return detail::found(fields, name).value_or(nullptr); }
 
 /// The columns that a heading line names; empty when the line is no heading.
 std::vector<double Camera::*> columns_of(std::string line) {
@@ -98,7 +92,7 @@ std::vector<Camera> orbit(const Camera& start, int frames) {
 }
 
 PathReader::PathReader(const Camera& defaults) : defaults_(defaults) {
-  for (const auto& field : std::span(fields).first(usual_columns)) columns_.push_back(field.part);
+  for (const auto& field : std::span(fields).first(usual_columns)) columns_.push_back(field.second);
 }
 
 std::optional<Camera> PathReader::read(const PathLine& read, const std::string& where) {

@@ -8,10 +8,10 @@
 #include <unistd.h>
 
 #include <cstdlib>
-#include <sstream>
 #include <system_error>
 #include <thread>
 
+#include "base/text.hpp"
 #include "ringsplat/base/error.hpp"
 
 extern char** environ;
@@ -67,8 +67,7 @@ bool is_program(const std::filesystem::path& file) {
 
 std::optional<std::filesystem::path> find_program(const std::string& name) {
   const char* const folders = std::getenv("PATH");
-  std::istringstream list(folders == nullptr ? "" : folders);
-  for (std::string folder; std::getline(list, folder, ':');) {
+  for (const auto folder : detail::split(folders == nullptr ? "" : folders, ":")) {
     const std::filesystem::path program = std::filesystem::path(folder) / name;
     if (program.is_absolute() && is_program(program)) return program;
   }

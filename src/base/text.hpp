@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "base/printable.hpp"
@@ -28,6 +29,17 @@ std::string joined(const Range& elements, std::string_view between = ", ", const
   return list;
 }
 
+/// What the list has for a key; nothing where it has none.
+template <class Key, class T, std::size_t count>
+std::optional<T> found(const std::pair<Key, T> (&list)[count], const auto& key) {
+  for (const auto& [known, value] : list)
+    if (known == key) return value;
+  return {};
+}
+
+/// "256 x 256 x 128", of a vector.
+inline std::string product_of(const auto& v) { return fmt::format("{} x {} x {}", v.x, v.y, v.z); }
+
 inline std::string lower_case(std::string text) {
   for (char& c : text) c = char(std::tolower(static_cast<unsigned char>(c)));
   return text;
@@ -37,6 +49,17 @@ inline std::string lower_case(std::string text) {
 inline std::vector<std::string> words_of(const std::string& text) {
   std::istringstream in(text);
   return {std::istream_iterator<std::string>(in), {}};
+}
+
+/// The parts between separators, each of which is one character; at least one part, which may be empty.
+inline std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
+  std::vector<std::string_view> parts;
+  for (std::size_t at = 0;;) {
+    const auto end = text.find_first_of(separators, at);
+    parts.push_back(text.substr(at, end - at));
+    if (end == std::string_view::npos) return parts;
+    at = end + 1;
+  }
 }
 
 /// The text without line ends, doubled blanks and blanks at the ends. Libraries describe errors in several

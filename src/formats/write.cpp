@@ -127,7 +127,7 @@ std::filesystem::path raw_path(const Grid& grid, const std::filesystem::path& pa
   if (const auto named = detail::parse_raw_name(path)) {
     if (named->dims == grid.dims && named->type == grid.type) return path;
     detail::refuse(path, "leave sizes and type out of the name, they are added",
-                   "the name says something else than {} x {} x {} {}", grid.dims.x, grid.dims.y, grid.dims.z,
+                   "the name says something else than {} {}", detail::product_of(grid.dims),
                    to_string(grid.type));
   }
   auto tagged = path;

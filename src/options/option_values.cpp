@@ -175,8 +175,7 @@ std::vector<std::string> colour_names() {
 
 std::optional<glm::dvec3> parse_colour(const std::string& text, const std::string& option) {
   if (text == "none" || text == "transparent") return std::nullopt;
-  for (const auto& [name, rgb] : named_colours)
-    if (text == name) return linear(colour_of(rgb));
+  if (const auto rgb = detail::found(named_colours, text)) return linear(colour_of(*rgb));
   if (const auto colour = text.starts_with('#') ? hex_colour(text.substr(1)) : std::nullopt)
     return linear(*colour);
   const auto parts = parse_numbers(text);

@@ -45,6 +45,7 @@ std::vector<std::string> colour_names();
 std::optional<std::vector<double>> parse_numbers(std::string_view text);
 
 using detail::joined;
+using detail::split;
 
 /// The entry of `known` closest to `word`, or an empty string when none is close (Levenshtein 1966; at most a
 /// third of the letters wrong).
@@ -72,17 +73,6 @@ struct FrameRange {
 
 /// "all", "A:B", "A:B:STEP"; each of A, B and STEP may be missing.
 FrameRange parse_frames(const std::string& text, const std::string& option);
-
-/// The parts between separators, each of which is one character; at least one part, which may be empty.
-inline std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
-  std::vector<std::string_view> parts;
-  for (std::size_t at = 0;;) {
-    const auto end = text.find_first_of(separators, at);
-    parts.push_back(text.substr(at, end - at));
-    if (end == std::string_view::npos) return parts;
-    at = end + 1;
-  }
-}
 
 /// "did you mean --colours?" for an option that is not among the `known` ones: what other programs' word for
 /// it is called here, or else the most similar one. Empty when nothing is like it. Dashes and underscores are

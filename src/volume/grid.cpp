@@ -53,13 +53,13 @@ ScalarType scalar_type_from(const std::string& name) {
 void detail::check_lattice(const Grid& grid, const std::string& where) {
   const auto& d = grid.dims;
   if (d.x < 1 || d.y < 1 || d.z < 1)
-    throw InputError(fmt::format("{}: dimensions {} x {} x {}", where, d.x, d.y, d.z),
+    throw InputError(fmt::format("{}: dimensions {}", where, product_of(d)),
                      "every dimension must be at least 1");
   const auto most = std::numeric_limits<std::int64_t>::max() / std::int64_t(size_of(grid.type));
   if (std::int64_t(d.x) * d.y > most / d.z)
-    throw InputError(fmt::format("{}: {} x {} x {} voxels of {} overflow 64 bits", where, d.x, d.y, d.z,
-                                 to_string(grid.type)),
-                     "correct the sizes in the header");
+    throw InputError(
+        fmt::format("{}: {} voxels of {} overflow 64 bits", where, product_of(d), to_string(grid.type)),
+        "correct the sizes in the header");
   if (!finite(grid.origin))
     throw InputError(fmt::format("{}: the origin is not finite", where), "correct the origin in the header");
   double lengths = 1;
@@ -97,7 +97,7 @@ void check(const Grid& grid, const std::string& where) {
 Facts facts_of(const Grid& grid) {
   // Adding 0 makes -0 the 0 that it equals.
   const auto text = [](const glm::dvec3& v) { return fmt::format("{} {} {}", v.x + 0, v.y + 0, v.z + 0); };
-  return {{"dimensions", fmt::format("{} x {} x {}", grid.dims.x, grid.dims.y, grid.dims.z)},
+  return {{"dimensions", detail::product_of(grid.dims)},
           {"type", to_string(grid.type)},
           {"spacing", text(grid.spacing)},
           {"origin", text(grid.origin)},

@@ -301,11 +301,8 @@ std::vector<double> DicomItem::numbers(DicomTag tag) const {
   if (vr == "UL") return binary(std::uint32_t{});
   if (vr == "FD") return binary(double{});
   std::vector<double> numbers;
-  for (std::size_t at = 0; at <= value.size();) {
-    const auto end = std::min(value.find('\\', at), value.size());
-    numbers.push_back(finite(number_in<double>(trimmed(value.substr(at, end - at))).value_or(NAN)));
-    at = end + 1;
-  }
+  for (const auto part : split(value, "\\"))
+    numbers.push_back(finite(number_in<double>(trimmed(std::string(part))).value_or(NAN)));
   return numbers;
 }
 

@@ -102,8 +102,7 @@ ScalarType stored_type(const FitsHeader& header) {
                                                   {-32, ScalarType::float32},
                                                   {-64, ScalarType::float64}};
   const int bits = header.whole("BITPIX", -64, 0);
-  for (const auto& [known, type] : types)
-    if (bits == known) return type;
+  if (const auto type = found(types, bits)) return *type;
   header.fail(fmt::format("voxels of BITPIX {} cannot be rendered", bits), "convert them to 32 bits first");
 }
 

@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "base/text.hpp"
 #include "formats/channels.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
@@ -18,8 +19,7 @@ ScalarType stored_type(int code, const std::filesystem::path& path) {
                                                   {3, ScalarType::float32},
                                                   {4, ScalarType::int16},
                                                   {10, ScalarType::uint16}};
-  for (const auto& [known, type] : types)
-    if (code == known) return type;
+  if (const auto type = found(types, code)) return *type;
   refuse(path, hint, "voxels of type {} cannot be rendered", code);
 }
 

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "base/byte_order.hpp"
+#include "base/text.hpp"
 #include "formats/channels.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
@@ -38,8 +39,7 @@ ScalarType stored_type(const MrcHeader& header, const std::filesystem::path& pat
   const int mode = header.word(4);
   constexpr int imod = 1146047817, is_signed = 1;  // IMOD says whether its bytes are
   if (mode == 0 && header.word(39) == imod && (header.word(40) & is_signed) == 0) return ScalarType::uint8;
-  for (const auto& [known, type] : types)
-    if (mode == known) return type;
+  if (const auto type = found(types, mode)) return *type;
   refuse(path, hint, "voxels of mode {} cannot be rendered", mode);
 }
 

@@ -299,12 +299,10 @@ Voxel voxel_of(const NiftiHeader& header) {
   constexpr std::pair<int, const char*> others[] = {{32, "COMPLEX64"},    {1024, "INT64"},
                                                     {1280, "UINT64"},     {1536, "FLOAT128"},
                                                     {1792, "COMPLEX128"}, {2048, "COMPLEX256"}};
-  for (const auto& [code, voxel] : voxels)
-    if (code == header.datatype) return voxel;
-  std::string name = fmt::format("unknown datatype {}", header.datatype);
-  for (const auto& [code, other] : others)
-    if (code == header.datatype) name = fmt::format("voxels of type {}", other);
-  refuse(header.path, "convert them to int32, uint32 or float32 first", "{} cannot be rendered", name);
+  if (const auto voxel = found(voxels, header.datatype)) return *voxel;
+  const auto other = found(others, header.datatype);
+  refuse(header.path, "convert them to int32, uint32 or float32 first", "{} {} cannot be rendered",
+         other ? "voxels of type" : "unknown datatype", other ? *other : std::to_string(header.datatype));
 }
 
 /// NIfTI-1 standard, "scl_slope and scl_inter": a slope of 0 means that the values are as stored.
@@ -325,15 +323,6 @@ std::filesystem::path voxel_file(const NiftiHeader& header) {
     if (auto beside = base; std::filesystem::exists(beside.replace_extension(ending), ignored)) return beside;
   const bool alone = lower_case(base.extension().string()) == ".nii" && header.offset > 0;
   return alone ? header.path : base.replace_extension(".img");
-}
-
-StoredVoxels stored_of(const NiftiHeader& header, ScalarType type) {
-  auto stored = stored_in(voxel_file(header));
-  stored.before() = std::uint64_t(header.offset);
-  stored.big_endian = header.big_endian;
-  stored.type = type;
-  stored.rescale = rescale_of(header);
-  return stored;
 }
 
 int vectors_of(const NiftiHeader& header) {
@@ -357,7 +346,11 @@ std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, cons
   const int frames = int(header.dims[4]), vectors = vectors_of(header);
   if (vectors > 1 && voxel.colours > 1) refuse(where, "extract one of them", "{} colours a voxel", vectors);
   const int channels = vectors * voxel.colours;
-  auto stored = stored_of(header, voxel.type);
+  auto stored = stored_in(voxel_file(header));
+  stored.before() = std::uint64_t(header.offset);
+  stored.big_endian = header.big_endian;
+  stored.type = voxel.type;
+  stored.rescale = rescale_of(header);
   const auto taken =
       channels > 1 ? choose_channel(choice.channel, channels, voxel.colours > 1, where) : ChannelChoice{};
   // Volumes of time points follow each other, those of a further vector component follow all time points of

@@ -40,10 +40,6 @@ std::string spelled(const std::string& text) {
   return name == "centers" ? "centerings" : name;
 }
 
-bool is_known(const std::string& field) {
-  return known_fields.find(" " + field + " ") != std::string_view::npos;
-}
-
 /// The lines "field: value" of an NRRD's header, and the names of data files behind its last line.
 class NrrdFields {
  public:
@@ -129,7 +125,8 @@ class NrrdFields {
     const auto colon = line.find(':');
     const auto field = spelled(line.substr(0, colon));
     const bool is_pair = line.find(":=") != std::string::npos;
-    if (colon == std::string::npos || line.compare(colon, 2, ":=") == 0 || !is_known(field)) {
+    if (colon == std::string::npos || line.compare(colon, 2, ":=") == 0 ||
+        known_fields.find(" " + field + " ") == std::string_view::npos) {
       if (is_pair) return void(pairs_[line.substr(0, colon)] = line.substr(colon + 2));
       fail_nrrd(path_, fmt::format("'{}' is no line of a header", excerpt(line)));
     }
@@ -139,12 +136,10 @@ class NrrdFields {
 
   std::vector<double> vector_in(std::string_view text, const std::string& field, int axes_of_space) const {
     std::vector<double> vector;
-    for (std::size_t at = 0; at <= text.size();) {
-      const auto comma = std::min(text.find(',', at), text.size());
-      const auto number = number_in<double>(lower_case(trimmed(std::string(text.substr(at, comma - at)))));
+    for (const auto part : split(text, ",")) {
+      const auto number = number_in<double>(lower_case(trimmed(std::string(part))));
       if (!number || std::isinf(*number)) fail(field);
       vector.push_back(*number);
-      at = comma + 1;
     }
     if (int(vector.size()) != axes_of_space) fail(field);
     const auto missing = std::count_if(vector.begin(), vector.end(), [](double v) { return std::isnan(v); });
@@ -158,13 +153,6 @@ class NrrdFields {
   std::map<std::string, std::string> values_, pairs_;
   std::vector<std::string> listed_;
 };
-
-template <class T, std::size_t count>
-std::optional<T> found(const std::pair<std::string_view, T> (&list)[count], const std::string& name) {
-  for (const auto& [known, value] : list)
-    if (known == name) return value;
-  return {};
-}
 
 Encoding encoding_of(const NrrdFields& fields) {
   constexpr std::pair<std::string_view, Encoding> encodings[] = {
