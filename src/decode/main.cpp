@@ -62,13 +62,6 @@ class ForeignLines {
   int caught_;  ///< descriptor of what they print
 };
 
-/// 0 for a folder, and where there are more words behind a file's name.
-std::uint64_t bytes_of_file(const std::filesystem::path& path) {
-  std::error_code none;
-  const auto bytes = std::filesystem::file_size(path, none);
-  return none ? 0 : bytes;
-}
-
 /// Answers the requests of the process that started this program, until that has ended.
 class Server {
  public:
@@ -128,7 +121,9 @@ class Server {
 
   void open(const DecodeRequest& request) {
     std::filesystem::current_path(request.folder);
-    progress(bytes_of_file(request.path));
+    std::error_code none;  // for a folder, and where there are more words behind a file's name
+    const auto bytes = std::filesystem::file_size(request.path, none);
+    progress(none ? 0 : bytes);
     DecodedVolume& told = answer_.volume;
     auto source = request.format == DecodedFormat::hdf5
                       ? read_hdf5(request.path, request.choice, told.in_place)

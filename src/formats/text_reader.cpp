@@ -5,11 +5,6 @@
 #include <span>
 
 namespace ringsplat::detail {
-namespace {
-
-bool separates_numbers(char c) { return c == ',' || std::isspace(static_cast<unsigned char>(c)) != 0; }
-
-}  // namespace
 
 bool TextReader::refill() {
   offset_ += got_;
@@ -39,7 +34,7 @@ std::string TextReader::word() {
   constexpr std::size_t longest = 400;
   std::string word;
   for (auto c = peek(); c && word.size() < longest; c = peek()) {
-    const bool between = separates_numbers(*c);
+    const bool between = *c == ',' || std::isspace(static_cast<unsigned char>(*c)) != 0;
     if (between && !word.empty()) break;
     advance();
     if (!between) word += *c;

@@ -1,6 +1,7 @@
 #include "formats/volume_files.hpp"
 
 #include <fmt/format.h>
+#include <fmt/printf.h>
 #include <sys/stat.h>
 
 #include <algorithm>
@@ -44,6 +45,18 @@ FileStamp stamp_at(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+std::vector<std::string> numbered_names(const std::string& pattern, std::int64_t first, std::int64_t count,
+                                        std::int64_t step) {
+  const auto percent = pattern.find('%'), letter = pattern.find_first_not_of("0123456789", percent + 1);
+  constexpr std::size_t most_digits = 3;
+  std::vector<std::string> names;
+  if (percent == std::string::npos || letter == std::string::npos || pattern[letter] != 'd' ||
+      letter - percent > 1 + most_digits || pattern.find('%', letter) != std::string::npos)
+    return names;
+  for (std::int64_t k = 0; k < count; ++k) names.push_back(fmt::sprintf(pattern, first + k * step));
+  return names;
+}
 
 VolumeFiles::VolumeFiles(const std::vector<std::filesystem::path>& files) {
   for (const auto& file : files) {

@@ -20,6 +20,12 @@ std::vector<std::filesystem::path> files_of(const Pieces& pieces) {
   return files;
 }
 
+/// `count` names, in which the numbers `first`, `first` + `step`, ... stand for the "%d" or "%03d" of a
+/// pattern; none when it is no such pattern. Headers come from anywhere: nothing else may follow a percent
+/// sign.
+std::vector<std::string> numbered_names(const std::string& pattern, std::int64_t first, std::int64_t count,
+                                        std::int64_t step);
+
 /// The files of a volume, as they were when this was made.
 class VolumeFiles {
  public:

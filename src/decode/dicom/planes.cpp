@@ -110,18 +110,13 @@ std::optional<Lattice> lattice_through(const std::vector<glm::dvec3>& positions,
   return lattice;
 }
 
-std::vector<double> distances_in(const std::vector<glm::dvec3>& positions) {
+/// The lattice by the median of the distances, or by the least where most slices are missing.
+Lattice even_lattice(const std::vector<glm::dvec3>& positions, const DicomPlacing& placing) {
+  constexpr double accepted = 0.01, accepted_mm = 0.01, warned = 0.05, warned_mm = 0.05, most_warned = 0.25;
   std::vector<double> distances;
   for (std::size_t i = 1; i < positions.size(); ++i)
     distances.push_back(glm::distance(positions[i], positions[i - 1]));
   std::sort(distances.begin(), distances.end());
-  return distances;
-}
-
-/// The lattice by the median of the distances, or by the least where most slices are missing.
-Lattice even_lattice(const std::vector<glm::dvec3>& positions, const DicomPlacing& placing) {
-  constexpr double accepted = 0.01, accepted_mm = 0.01, warned = 0.05, warned_mm = 0.05, most_warned = 0.25;
-  const auto distances = distances_in(positions);
   std::optional<Lattice> best;
   for (const double guess : {distances[distances.size() / 2], distances.front()}) {
     auto found = lattice_through(positions, guess);

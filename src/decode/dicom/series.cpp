@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -130,9 +129,9 @@ Matches find_named(const std::vector<DicomSeries>& series, const std::string& wa
 }  // namespace
 
 std::size_t DicomSeries::slices() const {
-  return std::accumulate(
-      images.begin(), images.end(), std::size_t{0},
-      [](std::size_t sum, const DicomHeader& image) { return sum + std::size_t(image.frames); });
+  std::size_t sum = 0;
+  for (const DicomHeader& image : images) sum += std::size_t(image.frames);
+  return sum;
 }
 
 std::vector<DicomSeries> find_series(const fs::path& folder, bool deep) {

@@ -63,9 +63,7 @@ std::vector<std::filesystem::path> files_at(const std::filesystem::path& path) {
     for (const auto& entry : std::filesystem::directory_iterator(path))
       if (is_slice(entry.path())) files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
-    return naturally_before(a.filename().string(), b.filename().string());
-  });
+  std::ranges::sort(files, naturally_before, [](const auto& file) { return file.filename().string(); });
   return files;
 }
 

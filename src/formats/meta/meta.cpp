@@ -18,9 +18,9 @@
 #include "formats/channels.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
-#include "formats/numbered_name.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/text_reader.hpp"
+#include "formats/volume_files.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
 

@@ -14,9 +14,9 @@
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
 #include "formats/nrrd/header.hpp"
-#include "formats/numbered_name.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/text_reader.hpp"
+#include "formats/volume_files.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
@@ -77,10 +77,6 @@ double first_centre(const NrrdAxis& axis) {
   return axis.min + (axis.nodes ? 0 : spacing / 2);
 }
 
-bool has_origin(const NrrdAxis& axis) {
-  return !std::isnan(axis.min) && !(std::isnan(axis.max) && std::isnan(axis.spacing));
-}
-
 void place(const NrrdHeader& header, const std::vector<const NrrdAxis*>& axes, Grid& grid) {
   for (int i = 0; i < int(axes.size()); ++i) {
     const auto& axis = *axes[std::size_t(i)];
@@ -97,7 +93,9 @@ void place(const NrrdHeader& header, const std::vector<const NrrdAxis*>& axes, G
   for (int k = 0; k < std::min<int>(int(header.origin.size()), 3); ++k)
     grid.origin[k] = header.origin[std::size_t(k)] * header.to_lps[k];
   const bool placed =
-      header.space_axes == 0 && std::ranges::all_of(axes, [](const auto* axis) { return has_origin(*axis); });
+      header.space_axes == 0 && std::ranges::all_of(axes, [](const auto* axis) {
+        return !std::isnan(axis->min) && !(std::isnan(axis->max) && std::isnan(axis->spacing));
+      });
   for (int i = 0; placed && i < int(axes.size()); ++i) grid.origin[i] = first_centre(*axes[std::size_t(i)]);
 }
 

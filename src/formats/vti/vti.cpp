@@ -105,10 +105,6 @@ Grid grid_of(const VtiHeader& header, const VtiArray& array, const std::filesyst
   return grid;
 }
 
-std::uint64_t best_ratio(Compressor compressor) {
-  return compressor == Compressor::lzma ? any_best_ratio : deflate_best_ratio;  // LZ4's is 255
-}
-
 /// An array behind its numbers: a length, or the sizes of compressed blocks, which are decoded one at a time;
 /// those in base64 in order.
 class VtiSource final : public LayeredSource {
@@ -191,7 +187,8 @@ class VtiSource final : public LayeredSource {
       end += packed;
       ends_.push_back(end);
     }
-    require_compressed_bytes(file_.path(), end, bytes_, best_ratio(array_.compressor));
+    const auto ratio = array_.compressor == Compressor::lzma ? any_best_ratio : deflate_best_ratio;
+    require_compressed_bytes(file_.path(), end, bytes_, ratio);  // LZ4's is 255
     set_layer(std::max<std::uint64_t>(1, block_bytes_ / grid().slice_bytes(Axis::z)));
   }
 
