@@ -4,10 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
-#include "app/frame_output.hpp"
+#include "app/render_job.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_file.hpp"
 #include "images/image_io.hpp"
@@ -30,21 +29,13 @@ std::string settings_text(const FrameSpec& spec, const ReferenceOptions& o) {
   return plain_json_text(std::move(j));
 }
 
-void check_options(const ReferenceOptions& o) {
-  if (o.truth == TruthKind::analytic) static_cast<void>(synth_field(o.formula));
-  check_image_name(o.picture.output, "-o", true);
-  const RenderOptions& p = o.picture;
-  check_can_write(p.output, "-o");
-  if (!p.transfer_function_out.empty()) check_can_write_text(p.transfer_function_out, "--tf-out");
-  refuse_clashes({{"-o", p.output}, {"--tf-out", p.transfer_function_out}},
-                 {{"the volume", p.volume.path}, {"--path", p.path}, {"--tf", p.transfer_function}});
-  require_image_library();
-}
-
 }  // namespace
 
 ExitCode run(const ReferenceOptions& o) {
-  check_options(o);
+  if (o.truth == TruthKind::analytic) static_cast<void>(synth_field(o.formula));
+  check_image_name(o.picture.output, "-o", true);
+  check_outputs(o.picture);
+  require_image_library();
   if (o.picture.path == "-")
     throw InputError("reference takes no views from stdin", "write them into a file for --path");
   if (!o.without_effect.empty())

@@ -55,28 +55,6 @@ void prepare_simulation(RunOptions& options, Launch& launch) {
   if (simulation.step_seconds > 0) protocol.frames_in_flight = 1;
 }
 
-/// Throws InputError when a file cannot be written.
-void check_outputs(const RenderOptions& o) {
-  if (!o.output.empty()) {
-    names_film(o.output) ? check_film(o) : check_image_name(o.output, "-o", !o.background);
-    check_can_write(o.output, "-o");
-  }
-  if (!o.error.map.empty()) {
-    check_image_name(o.error.map, "--error-map", true);
-    check_can_write(o.error.map, "--error-map");
-    static_cast<void>(text_mask("0", 12));  // the scale's letters
-  }
-  if (!o.stats.empty()) check_can_write_text(o.stats, "--stats");
-  if (!o.trace.empty()) check_can_write_text(o.trace, "--trace");
-  if (!o.transfer_function_out.empty()) check_can_write_text(o.transfer_function_out, "--tf-out");
-  refuse_clashes({{"-o", o.output},
-                  {"--error-map", o.error.map},
-                  {"--stats", o.stats},
-                  {"--trace", o.trace},
-                  {"--tf-out", o.transfer_function_out}},
-                 {{"the volume", o.volume.path}, {"--path", o.path}, {"--tf", o.transfer_function}});
-}
-
 /// Finds everything wrong with a frame before a voxel is read.
 void check_frames(const RenderOptions& o, const std::vector<Camera>& cameras, const Grid& grid) {
   FrameSpec spec = o.frame;
@@ -177,6 +155,27 @@ void find_volumes(Job& job, Launch& launch) {
   o.volume = job.series.front().volume;
   job.volume = open(o.volume, launch);
   launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, job.volume.grid); });
+}
+
+void check_outputs(const RenderOptions& o) {
+  if (!o.output.empty()) {
+    names_film(o.output) ? check_film(o) : check_image_name(o.output, "-o", !o.background);
+    check_can_write(o.output, "-o");
+  }
+  if (!o.error.map.empty()) {
+    check_image_name(o.error.map, "--error-map", true);
+    check_can_write(o.error.map, "--error-map");
+    static_cast<void>(text_mask("0", 12));  // the scale's letters
+  }
+  if (!o.stats.empty()) check_can_write_text(o.stats, "--stats");
+  if (!o.trace.empty()) check_can_write_text(o.trace, "--trace");
+  if (!o.transfer_function_out.empty()) check_can_write_text(o.transfer_function_out, "--tf-out");
+  refuse_clashes({{"-o", o.output},
+                  {"--error-map", o.error.map},
+                  {"--stats", o.stats},
+                  {"--trace", o.trace},
+                  {"--tf-out", o.transfer_function_out}},
+                 {{"the volume", o.volume.path}, {"--path", o.path}, {"--tf", o.transfer_function}});
 }
 
 std::size_t pictures_at_once(const Job& job, std::size_t views) {

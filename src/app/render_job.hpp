@@ -105,6 +105,9 @@ void render_all(const Job& job, const ProtocolOptions& protocol, Scene scene, Di
 /// Most pictures of so many views that rank 0 holds at once: sums of channels wait for the last one.
 std::size_t pictures_at_once(const Job& job, std::size_t views);
 
+/// Throws InputError when a file cannot be written.
+void check_outputs(const RenderOptions& options);
+
 /// Finds the job's volumes, in all channels that are drawn together, and opens the first. All ranks call it,
 /// and throw the same InputError.
 void find_volumes(Job& job, Launch& launch);
