@@ -251,7 +251,7 @@ void FrameOutput::add_to_film(const Image& image, const Overlay& overlay) {
     film_.emplace(find_ffmpeg(options_.output),
                   serve::MoviePlan{.width = image.width, .height = image.height});
   const glm::dvec3 background = options_.background.value_or(glm::dvec3(0));
-  film_->add(film_pictures_++, image_bytes(image, ".png", background, {}, overlay));
+  film_->add(int(seconds_.size()), image_bytes(image, ".png", background, {}, overlay));
 }
 
 fs::path file_of_view(const RenderOptions& options, const std::string& name, std::size_t view) {

@@ -123,7 +123,6 @@ class FrameOutput {
   std::string volume_;            ///< path of the volume that is shown
   ValueRange range_;
   std::optional<serve::Movie> film_;  ///< -o FILM.mp4, once it has a picture
-  int film_pictures_ = 0;
   Progress& progress_;
   std::vector<KeptFrame> kept_;
   std::optional<truth::Scene> truth_;  ///< while errors are measured

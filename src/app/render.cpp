@@ -66,11 +66,6 @@ void write_trace(Trace& trace, const std::string& file, const Layout& layout, La
   write_text_output(file, to_chrome_trace(all, layout));
 }
 
-/// True when a file is written to stdout; results, which are lines for people, then go to stderr.
-bool writes_to_stdout(const RenderOptions& o) {
-  return is_stdout(o.stats) || is_stdout(o.trace) || is_stdout(o.transfer_function_out);
-}
-
 /// Once all frames are drawn. All ranks call it.
 void finish(FrameOutput& output, Launch& launch) {
   if (launch.rank() == 0) output.finish();
@@ -127,8 +122,10 @@ ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
 ExitCode run(const RenderOptions& given, Launch& launch) {
   Job job = prepare(given, launch);
   const RenderOptions& o = job.options;
+  // Results, which are lines for people, go to stderr when a file goes to stdout.
+  const bool to_stdout = is_stdout(o.stats) || is_stdout(o.trace) || is_stdout(o.transfer_function_out);
   // Silent in a simulation: progress in simulated time tells nothing.
-  Progress progress(launch.rank() != 0 || simulated(), writes_to_stdout(o) ? stderr : stdout);
+  Progress progress(launch.rank() != 0 || simulated(), to_stdout ? stderr : stdout);
   if (o.frames || !job.channels.empty()) return render_series(job, progress, launch);
   Scene scene = load(job, job.volume, progress, launch);
   const FrameSpec frame = choose_frame(job, scene, progress, launch);

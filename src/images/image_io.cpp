@@ -115,10 +115,6 @@ std::vector<ImageData::Attribute> attributes_of(const Format& format, const std:
   return attributes;
 }
 
-bool is_float(SampleType type) {
-  return type == SampleType::float16 || type == SampleType::float32 || type == SampleType::float64;
-}
-
 /// A file's channels as RGBA: grey becomes three channels, a missing alpha opaque.
 Image as_rgba(const ImageShape& shape, const std::vector<float>& values) {
   Image image(shape.width, shape.height);
@@ -211,7 +207,9 @@ StoredImage read_image(const fs::path& file) {
     throw bad(failure);
 
   const std::string settings = opened->text("ringsplat:settings");
-  StoredImage stored{as_rgba(shape, values), is_float(shape.type), shape.alpha_channel >= 0,
+  using enum SampleType;
+  const bool linear = shape.type == float16 || shape.type == float32 || shape.type == float64;
+  StoredImage stored{as_rgba(shape, values), linear, shape.alpha_channel >= 0,
                      settings.empty() ? opened->text("ImageDescription") : settings};
   if (stored.has_alpha && opened->number("oiio:UnassociatedAlpha") != 0)
     for (std::size_t at = 0; at < stored.image.rgba.size(); at += 4)

@@ -89,14 +89,6 @@ void Launch::take_leave() {
 
 namespace {
 
-/// A mesh's shape gives the number of GPs; unless told otherwise each row has a Renderer at its left end.
-RunOptions with_mesh_counts(RunOptions o) {
-  if (!o.mesh) return o;
-  o.gps = o.mesh->x * o.mesh->y;
-  if (!o.renderers) o.renderers = o.mesh->y;
-  return o;
-}
-
 /// The layout without its numbers of nodes.
 Layout empty_layout(const RunOptions& o) {
   Layout layout{.placement = o.placement.value_or(Placement::dedicated),
@@ -162,7 +154,11 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, i
 
 Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks, int cores) {
   constexpr int most_in_one_process = 4096;
-  const RunOptions o = with_mesh_counts(options);
+  RunOptions o = options;
+  if (o.mesh) {  // unless told otherwise each row has a Renderer at its left end
+    o.gps = o.mesh->x * o.mesh->y;
+    o.renderers = o.renderers.value_or(o.mesh->y);
+  }
   // Check counts below 1 first: their own message is clearer than that of a wrong sum.
   check(Layout{.gps = o.gps.value_or(1), .renderers = o.renderers.value_or(1)});
   if (std::max(o.gps.value_or(1), o.renderers.value_or(1)) > 1 << 24)

@@ -119,11 +119,8 @@ namespace {
 
 json views_json(const FrameSpec& reference, const std::vector<Camera>& views) {
   json all = json::array();
-  for (const Camera& camera : views) {
-    FrameSpec frame = reference;
-    frame.shown.camera = camera;
+  for (const FrameSpec& frame : frames_of(reference, views))
     all.push_back(json::parse(to_json_text(frame)).at("camera"));
-  }
   return all;
 }
 

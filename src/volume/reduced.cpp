@@ -106,10 +106,7 @@ class HalvedSource final : public ForwardingSource {
     if (cell.count == 0) return static_cast<T>(std::numeric_limits<double>::quiet_NaN());
     const double value =
         std::isfinite(filtered) ? std::clamp(filtered, cell.low, cell.high) : cell.sum / cell.count;
-    if constexpr (std::is_floating_point_v<T>)
-      return static_cast<T>(value);
-    else
-      return static_cast<T>(std::llround(value));
+    return static_cast<T>(std::is_floating_point_v<T> ? value : std::round(value));
   }
 
   std::map<int, std::vector<std::byte>> kept_;  ///< slices of the full volume

@@ -44,16 +44,11 @@ std::shared_ptr<std::vector<T>> allocated(std::size_t count) {
 
 SliceStore::SliceStore(const Grid& grid, int gp, SliceDealing dealing, std::array<bool, 3> kept_axes,
                        bool with_normals, const SliceStore* known)
-    : grid_(grid),
-      gp_(gp),
-      dealing_(dealing),
-      kept_(kept_axes),
-      with_normals_(with_normals),
-      normals_within_(whole_box(grid)) {
+    : grid_(grid), gp_(gp), dealing_(dealing), with_normals_(with_normals), normals_within_(whole_box(grid)) {
   if (dealing.gps < 1 || dealing.bundle < 1 || gp < 0 || gp >= dealing.gps)
     throw std::invalid_argument("a slice store needs 0 <= gp < gps and bundles of slices");
   for (const Axis axis : all_axes) {
-    if (!keeps(axis)) continue;
+    if (!kept_axes[std::size_t(axis)]) continue;
     const auto voxels = std::size_t(dealing.owned_count(grid.slices(axis), gp)) * grid.slice_voxels(axis);
     auto& set = sets_[std::size_t(axis)];
     set.values = known != nullptr && known->keeps(axis) ? known->sets_[std::size_t(axis)].values

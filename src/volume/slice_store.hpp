@@ -57,7 +57,7 @@ class SliceStore {
 
   const Grid& grid() const { return grid_; }
   int gp() const { return gp_; }
-  bool keeps(Axis axis) const { return kept_[std::size_t(axis)]; }
+  bool keeps(Axis axis) const { return sets_[std::size_t(axis)].values != nullptr; }
   bool has_normals() const { return with_normals_; }
   bool owns(int slice) const { return dealing_.owner_of(slice) == gp_; }
 
@@ -111,7 +111,6 @@ class SliceStore {
   Grid grid_;
   int gp_ = 0;
   SliceDealing dealing_;
-  std::array<bool, 3> kept_{};
   bool with_normals_ = false;
   VoxelBox normals_within_;
   std::array<Set, 3> sets_;

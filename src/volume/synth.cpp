@@ -95,10 +95,7 @@ constexpr SynthName entries[] = {
 
 template <class T>
 T scaled(double value) {
-  if constexpr (std::is_floating_point_v<T>)
-    return T(value);
-  else
-    return T(std::llround(value * double(std::numeric_limits<T>::max())));
+  return T(std::is_floating_point_v<T> ? value : std::round(value * double(std::numeric_limits<T>::max())));
 }
 
 class SynthSource final : public VolumeSource {
