@@ -18,10 +18,7 @@
 
 namespace ringsplat::app {
 
-template <class Archive>
-void fields(Place& place, Archive& archive) {
-  archive(place.machine, place.cores);
-}
+void fields(Place& place, auto& archive) { archive(place.machine, place.cores); }
 
 namespace {
 

@@ -50,7 +50,7 @@ ExitCode run(const ReferenceOptions& o) {
   WholeVolume volume = read_whole(*source);
   FrameSpec spec = picture.frame;
   spec.shown.clip = clip_box(o.picture.clip, source->grid());
-  const MadeFunction made = choice.make(volume.statistics, volume.scene.grid);
+  const MadeFunction made = choice.make(volume.statistics);
   made.set(spec.shown);
   check(spec);
   if (!o.picture.transfer_function_out.empty())

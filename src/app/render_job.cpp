@@ -19,8 +19,7 @@
 namespace ringsplat::app {
 
 /// Before its transfer function is chosen.
-template <class Archive>
-void fields(DrawnChannel& channel, Archive& archive) {
+void fields(DrawnChannel& channel, auto& archive) {
   archive(channel.choice, channel.name, channel.colour, channel.window);
 }
 
@@ -237,8 +236,8 @@ FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launc
   const RenderOptions& o = job.options;
   MadeFunction made;
   launch.check_on_rank_0([&] {
-    made = job.channels.empty() ? job.transfer_function->make(scene.values, scene.grid)
-                                : make_function(job.channels[channel], o, scene.values, scene.grid);
+    made = job.channels.empty() ? job.transfer_function->make(scene.values)
+                                : make_function(job.channels[channel], o, scene.values);
     check(made.function, o.transfer_function);
     if (!o.transfer_function_out.empty())
       write_text_output(o.transfer_function_out, to_paraview_json(made.function));

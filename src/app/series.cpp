@@ -17,8 +17,7 @@
 namespace ringsplat::app {
 
 /// The rest of a volume's options is every rank's.
-template <class Archive>
-void fields(SeriesEntry& entry, Archive& archive) {
+void fields(SeriesEntry& entry, auto& archive) {
   archive(entry.number, entry.volume.path, entry.volume.choice.frame, entry.name);
 }
 

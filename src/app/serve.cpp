@@ -73,13 +73,13 @@ void add_channels(const Job& job, const Scene& scene, serve::ViewerOptions& v) {
     const ValueStatistics& values = k == 0 ? scene.values : scene.others[k - 1].values;
     DrawnChannel channel = job.channels[k];
     RenderOptions options = job.options;
-    if (k > 0) fmt::print(stderr, "{}\n", make_function(channel, options, values, scene.grid).said);
+    if (k > 0) fmt::print(stderr, "{}\n", make_function(channel, options, values).said);
     channel.colour = glm::dvec3(1.0);
     serve::ShownChannel& shown = v.channels.emplace_back();
     shown.name = channel.name;
     for (const Mode mode : every_mode) {
       options.colour.mode = mode;
-      make_function(channel, options, values, scene.grid).set(shown.own[mode]);
+      make_function(channel, options, values).set(shown.own[mode]);
     }
     v.initial.channels.push_back({true, job.channels[k].colour, shown.window(v.initial.shown.mode)});
   }
@@ -237,8 +237,8 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   Scene scene = loader.load_channels(0);
   MadeFunction made;
   launch.check_on_rank_0([&] {
-    made = job.channels.empty() ? job.transfer_function->make(scene.values, scene.grid)
-                                : make_function(job.channels.front(), job.options, scene.values, scene.grid);
+    made = job.channels.empty() ? job.transfer_function->make(scene.values)
+                                : make_function(job.channels.front(), job.options, scene.values);
   });
   if (job.channels.empty() && launch.of_rank_0(made.interpolation == Interpolation::nearest) &&
       job.load.factors.size() > 1) {

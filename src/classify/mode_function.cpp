@@ -41,13 +41,12 @@ const char* name(Mode mode) {
   return names[static_cast<int>(mode)];
 }
 
-AutoChoice choose_for_mode(Mode mode, const ValueStatistics& values, const Grid& grid,
-                           const std::optional<DataRange>& window) {
+AutoChoice choose_for_mode(Mode mode, const ValueStatistics& values, const std::optional<DataRange>& window) {
   DataRange range = range_of(values.histogram);
   if (window)
     range = *window;
   else if (!values.bins.empty() && values.range.low < values.range.high)
-    range = window_of(mode, data_of(values), grid);
+    range = window_of(mode, data_of(values), values.grid);
   if (!(range.low < range.high)) range.high = range.low + std::max(1.0, 1e-6 * std::abs(range.low));
   const glm::dvec3 bone{0.95, 0.86, 0.74}, stone{0.8, 0.8, 0.8},
       even = values.notes.world == World::patient ? bone : stone;

@@ -165,8 +165,7 @@ Data data_of(const ValueStatistics& s) {
   Data d;
   d.bins = s.bins;
   d.all = count_of(d.bins);
-  if (s.dims.x > 1 || s.dims.y > 1 || s.dims.z > 1)
-    d.depth = std::cbrt(double(s.dims.x) * double(s.dims.y) * double(s.dims.z));
+  if (s.grid.voxels() > 1) d.depth = std::cbrt(double(s.grid.voxels()));
   take_out_outliers(d);
   take_out_fill(d);
   take_out_outliers(d);

@@ -64,7 +64,7 @@ TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice
   const Pass pass = [&](const RowVisitor& visit) {
     for (const Section& section : sections) visit(section, grid.dims.x);
   };
-  return choice.make(describe_values(grid, source.notes(), pass), grid).function;
+  return choice.make(describe_values(grid, source.notes(), pass)).function;
 }
 
 std::vector<Camera> some_views(const std::vector<Camera>& cameras) {

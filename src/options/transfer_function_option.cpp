@@ -68,7 +68,7 @@ TransferFunctionChoice::TransferFunctionChoice(const std::string& text, const Co
                        fmt::format("the presets are {}", joined(presets, ", ")));
 }
 
-AutoChoice TransferFunctionChoice::base(const ValueStatistics& values, const Grid& grid) const {
+AutoChoice TransferFunctionChoice::base(const ValueStatistics& values) const {
   if (colour_.labels) return choose_labels(values);
   const bool is_auto = !from_file_ && preset_ == "auto";
   const bool windowed = colour_.range || colour_.log || colour_.values;
@@ -78,7 +78,7 @@ AutoChoice TransferFunctionChoice::base(const ValueStatistics& values, const Gri
   if (colour_.range) window = *colour_.range;
   if (colour_.values) window = {values.range.low, values.range.high};
   if (is_auto && colour_.mode != Mode::composite)
-    return choose_for_mode(colour_.mode, values, grid, windowed ? std::optional(window) : std::nullopt);
+    return choose_for_mode(colour_.mode, values, windowed ? std::optional(window) : std::nullopt);
   if (is_auto) return choose_within(values, window, colour_.log);
   AutoChoice made;
   made.function = from_file_ ? *from_file_ : preset(preset_, values.histogram);
@@ -88,13 +88,13 @@ AutoChoice TransferFunctionChoice::base(const ValueStatistics& values, const Gri
   return made;
 }
 
-MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, const Grid& grid) const {
+MadeFunction TransferFunctionChoice::make(const ValueStatistics& values) const {
   check_values(values, "check the file's --type and --endian");
   if (colour_.log && colour_.range && !(colour_.range->low > 0))
     throw InputError(fmt::format("--log cannot show values from {:g}, as only positive ones have a logarithm",
                                  colour_.range->low),
                      "give --range a LO above 0");
-  AutoChoice made = base(values, grid);
+  AutoChoice made = base(values);
   auto& tf = made.function;
   if (map_) {
     tf.colours = colours_over(*map_, made.range);

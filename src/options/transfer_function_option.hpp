@@ -31,10 +31,10 @@ class TransferFunctionChoice {
   explicit TransferFunctionChoice(const std::string& text, const ColourOptions& colour = {});
   /// Throws InputError when the values do not allow what is asked: no finite one, no positive one for
   /// --log, no whole numbers for --labels.
-  MadeFunction make(const ValueStatistics& values, const Grid& grid) const;
+  MadeFunction make(const ValueStatistics& values) const;
 
  private:
-  AutoChoice base(const ValueStatistics& values, const Grid& grid) const;
+  AutoChoice base(const ValueStatistics& values) const;
 
   ColourOptions colour_;
   std::optional<ColourMap> map_;

@@ -31,9 +31,7 @@ void set_modes(const TransferFunction& usual, const ValueStatistics& values, Vie
   if (shown.mode != Mode::surface) shown.isovalue = parting_value(values);
   for (const Mode mode : every_mode)
     options.modes.emplace_back(
-        mode, mode == Mode::composite
-                  ? usual
-                  : choose_for_mode(mode, values, options.volume.grid, std::nullopt).function);
+        mode, mode == Mode::composite ? usual : choose_for_mode(mode, values, std::nullopt).function);
 }
 
 }  // namespace ringsplat::serve

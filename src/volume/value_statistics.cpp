@@ -192,7 +192,7 @@ ValueStatistics describe_values(const Grid& grid, const VolumeNotes& notes, cons
                                 const Merging& merging) {
   ValueStatistics s;
   s.kind = {grid.type, notes.fill};
-  s.dims = grid.dims;
+  s.grid = grid;
   s.notes = notes;
   ValueTally tally(s.kind);
   pass([&](std::span<const std::byte> rows, int) { tally.add(rows); });

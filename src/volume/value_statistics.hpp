@@ -92,7 +92,7 @@ struct NeighbourCounts {
 /// What is known of a volume's values. The fill value counts nowhere but in `fill_voxels`.
 struct ValueStatistics {
   ValueKind kind;
-  glm::ivec3 dims{1};
+  Grid grid = {};
   ValueRange range;  ///< exact
   /// Equal bins over the range; without the outliers where a few voxels lie so far outside all others that
   /// they would flatten it. Those are counted in `below` and `above`.

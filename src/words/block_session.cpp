@@ -124,8 +124,7 @@ BlockSession::Request BlockSession::request(const std::vector<std::string>& word
   tell(app::complete_view(o, grid, committed_notes_));
   if (o.annotate) made.annotation.emplace(grid, committed_notes_, o.background, o.colour.range);
   const auto cameras = app::views_of(o);
-  const app::MadeFunction function =
-      app::TransferFunctionChoice(o.transfer_function, o.colour).make(values, grid);
+  const app::MadeFunction function = app::TransferFunctionChoice(o.transfer_function, o.colour).make(values);
   check(function.function, o.transfer_function);
   tell(function.said);
   function.set(o.frame.shown);

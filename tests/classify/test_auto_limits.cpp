@@ -14,7 +14,7 @@ namespace {
 ValueStatistics statistics_of(const Bins& bins, int side = 64) {
   ValueStatistics s;
   s.kind.type = ScalarType::float32;
-  s.dims = glm::ivec3(side);
+  s.grid.dims = glm::ivec3(side);
   s.range.low = bins.front().low;
   s.range.high = bins.back().high;
   s.histogram = Histogram(s.range.low, s.range.high, 256);
