@@ -14,10 +14,7 @@ std::string rank_name;  ///< such as " [rank 3]", where lines have it
 LogLevel least_level = LogLevel::info;
 bool is_first_rank = true;
 
-std::function<void(LogLevel, const std::string&)>& log_sink() {
-  static std::function<void(LogLevel, const std::string&)> sink;
-  return sink;
-}
+std::function<void(LogLevel, const std::string&)> log_sink;
 
 }  // namespace
 
@@ -29,7 +26,7 @@ void set_log_rank(int rank, bool verbose) {
 }
 
 void set_log_sink(std::function<void(LogLevel level, const std::string& text)> sink) {
-  log_sink() = std::move(sink);
+  log_sink = std::move(sink);
 }
 
 void log_to_stderr(LogLevel level, const std::string& text) {
@@ -42,8 +39,8 @@ void log_to_stderr(LogLevel level, const std::string& text) {
 }
 
 void log_line(LogLevel level, const std::string& text) {
-  if (log_sink())
-    log_sink()(level, printable(text));
+  if (log_sink)
+    log_sink(level, printable(text));
   else
     log_to_stderr(level, text);
 }

@@ -285,18 +285,10 @@ class BytesOfNumbers final : public BytesInText {
 
 std::unique_ptr<EncodedBytes> encoded_bytes(const InputFile& file, Encoding encoding, std::uint64_t begin,
                                             std::uint64_t end, ScalarType type) {
-  switch (encoding) {
-    case Encoding::raw:
-      return std::make_unique<PlainBytes>(file, begin, end);
-    case Encoding::deflate:
-      return std::make_unique<InflatedBytes>(file, begin);
-    case Encoding::base64:
-      return std::make_unique<Base64Bytes>(file, begin, end);
-    case Encoding::hex:
-      return std::make_unique<HexBytes>(file, begin, end);
-    case Encoding::text:
-      break;
-  }
+  if (encoding == Encoding::raw) return std::make_unique<PlainBytes>(file, begin, end);
+  if (encoding == Encoding::deflate) return std::make_unique<InflatedBytes>(file, begin);
+  if (encoding == Encoding::base64) return std::make_unique<Base64Bytes>(file, begin, end);
+  if (encoding == Encoding::hex) return std::make_unique<HexBytes>(file, begin, end);
   return std::make_unique<BytesOfNumbers>(file, begin, end, type);
 }
 

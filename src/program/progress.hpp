@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <stop_token>
 #include <string>
 #include <thread>
 #include <utility>
@@ -37,7 +38,7 @@ class Progress {
   /// When `silent`, shows no progress. `results` is where print() writes.
   explicit Progress(bool silent = false, std::FILE* results = stdout)
       : silent_(silent), terminal_(isatty(STDERR_FILENO) == 1), results_(results) {
-    if (!silent_) thread_ = std::thread([this] { watch(); });
+    if (!silent_) thread_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
   }
   /// Where progress and results go instead of a terminal, on the thread that reports. May throw to end the
   /// work.
@@ -48,13 +49,9 @@ class Progress {
   explicit Progress(Listener listener)
       : silent_(true), terminal_(false), listener_(std::move(listener)), results_(stdout) {}
   ~Progress() {
-    {
-      const std::lock_guard lock(mutex_);
-      stop_ = true;
-      wipe();
-    }
-    changed_.notify_all();
-    if (thread_.joinable()) thread_.join();
+    const std::lock_guard lock(mutex_);
+    thread_.request_stop();
+    wipe();
   }
 
   /// Starts a piece of work of `total` units; 0 when that is not known.
@@ -113,11 +110,11 @@ class Progress {
   static constexpr double redraw_seconds = 0.2;  ///< on a terminal
   static constexpr double line_seconds = 5.0;    ///< elsewhere
 
-  void watch() {
+  void watch(const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
-    while (!stop_) {
-      changed_.wait_for(lock, std::chrono::duration<double>(redraw_seconds), [this] { return stop_; });
-      if (working_ && !stop_) draw();
+    while (!stop.stop_requested()) {
+      changed_.wait_for(lock, stop, std::chrono::duration<double>(redraw_seconds), [] { return false; });
+      if (working_ && !stop.stop_requested()) draw();
     }
   }
 
@@ -150,11 +147,11 @@ class Progress {
   const Listener listener_;
   std::FILE* const results_;
   std::mutex mutex_;
-  std::condition_variable changed_;
+  std::condition_variable_any changed_;
   std::string what_, waiting_for_;
   double total_ = 0, done_ = 0, started_ = 0, drawn_at_ = 0;
-  bool working_ = false, said_waiting_ = false, stop_ = false, on_screen_ = false;
-  std::thread thread_;
+  bool working_ = false, said_waiting_ = false, on_screen_ = false;
+  std::jthread thread_;  ///< last: its end waits for the thread, which uses all of the above
 };
 
 /// A source that tells a progress bar how far it was read.

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "base/input_file.hpp"
@@ -31,11 +31,11 @@ struct Selection {
 };
 
 std::string filter_name(H5Z_filter_t id, const char* stored) {
-  static const std::map<int, const char*> known{{32000, "LZF"},        {32001, "Blosc"}, {32004, "LZ4"},
-                                                {32008, "Bitshuffle"}, {32013, "ZFP"},   {32015, "Zstandard"},
-                                                {32026, "Blosc2"},     {307, "bzip2"},   {4, "szip"}};
-  const auto found = known.find(id);
-  if (found != known.end()) return found->second;
+  constexpr std::pair<int, const char*> known[] = {
+      {32000, "LZF"},        {32001, "Blosc"}, {32004, "LZ4"},
+      {32008, "Bitshuffle"}, {32013, "ZFP"},   {32015, "Zstandard"},
+      {32026, "Blosc2"},     {307, "bzip2"},   {4, "szip"}};
+  if (const auto name = found(known, id)) return *name;
   return stored[0] == '\0' ? "unknown" : stored;
 }
 
