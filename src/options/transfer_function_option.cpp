@@ -32,14 +32,14 @@ ColourMap map_to(const glm::dvec3& colour, Mode mode) {
 
 /// Voxels of the file's fill value are clear whatever the function says.
 void clear_noted_fill(TransferFunction& tf, const ValueStatistics& values) {
-  const auto& fill = values.kind.fill;
+  const auto& fill = values.notes.fill;
   if (!fill || values.fill_voxels == 0 || !(tf.evaluate(*fill).opacity > 0)) return;
   if (*fill < values.range.low)
     clear_below(tf, std::lerp(*fill, values.range.low, 0.5));
   else if (*fill > values.range.high)
     clear_above(tf, std::lerp(values.range.high, *fill, 0.5));
   else
-    clear_at(tf, *fill, values.kind.type != ScalarType::float32 && values.kind.type != ScalarType::float64);
+    clear_at(tf, *fill, values.grid.type != ScalarType::float32 && values.grid.type != ScalarType::float64);
 }
 
 }  // namespace

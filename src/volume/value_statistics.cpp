@@ -85,12 +85,13 @@ Bins bins_of(const Histogram& h) {
 void count_histogram(ValueStatistics& s, const Bins& keys, const Pass& pass, const Merging& merging) {
   const KeptBins kept = without_outliers(keys);
   s.histogram = Histogram(keys[kept.first].low, std::min(keys[kept.last].high, s.range.high), histogram_bins);
-  const bool exact = ValueTally::is_exact(s.kind.type);
+  const ScalarType type = s.grid.type;
+  const bool exact = ValueTally::is_exact(type);
   if (exact) {
     for (std::size_t k = kept.first; k <= kept.last; ++k) s.histogram.add(keys[k].low, keys[k].count);
   } else {
     pass([&](std::span<const std::byte> rows, int) {
-      for_each_unfilled(s.kind, rows, [&](auto values) { s.histogram.add(s.kind.type, values); });
+      for_each_unfilled({type, s.notes.fill}, rows, [&](auto values) { s.histogram.add(type, values); });
     });
     merging.sum(s.histogram.counts);
   }
@@ -139,7 +140,7 @@ void count_neighbours(ValueStatistics& s, const Pass& pass, const Merging& mergi
   };
   std::vector<std::uint64_t> counts(4);
   pass([&](std::span<const std::byte> rows, int width) {
-    for_values(s.kind.type, rows, [&](auto values) {
+    for_values(s.grid.type, rows, [&](auto values) {
       for (; values.size() >= std::size_t(width); values = values.subspan(std::size_t(width)))
         count_row(values.first(std::size_t(width)), place_of, counts);
     });
@@ -191,10 +192,9 @@ double ValueStatistics::quantile(double share) const {
 ValueStatistics describe_values(const Grid& grid, const VolumeNotes& notes, const Pass& pass,
                                 const Merging& merging) {
   ValueStatistics s;
-  s.kind = {grid.type, notes.fill};
   s.grid = grid;
   s.notes = notes;
-  ValueTally tally(s.kind);
+  ValueTally tally({grid.type, notes.fill});
   pass([&](std::span<const std::byte> rows, int) { tally.add(rows); });
   merging.merge(tally);
   s.range = tally.range;
@@ -211,7 +211,7 @@ ValueStatistics describe_values(const Grid& grid, const VolumeNotes& notes, cons
 
 ValueStatistics describe_values(const Histogram& histogram) {
   ValueStatistics s;
-  s.kind.type = ScalarType::float64;
+  s.grid.type = ScalarType::float64;
   s.histogram = histogram;
   s.bins = bins_of(histogram);
   s.range.low = histogram.low;

@@ -91,7 +91,6 @@ struct NeighbourCounts {
 
 /// What is known of a volume's values. The fill value counts nowhere but in `fill_voxels`.
 struct ValueStatistics {
-  ValueKind kind;
   Grid grid = {};
   ValueRange range;  ///< exact
   /// Equal bins over the range; without the outliers where a few voxels lie so far outside all others that

@@ -223,14 +223,14 @@ TEST_CASE("a map without opacities is shown as a ramp, and told", "[mpi]") {
 
 TEST_CASE("a fill value that the file names is clear in every transfer function") {
   ValueStatistics values = positive_values();
-  values.kind.fill = 1e20;
+  values.notes.fill = 1e20;
   values.fill_voxels = 7;
   for (const char* name : {"auto", "grey", "ct-bone"}) {
     const TransferFunction tf = app::TransferFunctionChoice(name).make(values).function;
     CHECK(tf.evaluate(1e20).opacity == 0);
     CHECK(tf.evaluate(1000).opacity > 0.1);
   }
-  values.kind.fill = 500;
+  values.notes.fill = 500;
   const TransferFunction tf = app::TransferFunctionChoice("grey").make(values).function;
   CHECK(tf.evaluate(500).opacity == 0);
   CHECK(tf.evaluate(500.001).opacity > 0.1);

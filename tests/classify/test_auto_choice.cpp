@@ -257,7 +257,7 @@ TEST_CASE("labels are found where few whole numbers lie in pieces, and each has 
     INFO(made.why);
     REQUIRE(made.labels);
     CHECK(says(made.why, "9 labels"));
-    const auto type = volume.statistics().kind.type;
+    const auto type = volume.statistics().grid.type;
     const Classifier classifier(made.function, type, 1.0);
     for (const double label : volume.statistics().labels) {
       auto value = static_cast<typename std::decay_t<decltype(volume.voxels)>::value_type>(label);

@@ -13,7 +13,7 @@ namespace {
 /// Statistics of bins alone, of a cube of `side` voxels.
 ValueStatistics statistics_of(const Bins& bins, int side = 64) {
   ValueStatistics s;
-  s.kind.type = ScalarType::float32;
+  s.grid.type = ScalarType::float32;
   s.grid.dims = glm::ivec3(side);
   s.range.low = bins.front().low;
   s.range.high = bins.back().high;
