@@ -46,12 +46,6 @@ MeasuredShortcuts choose(const std::vector<MeasuredShortcuts>& measured, const E
                    hint_for(o, frame, best.rmse_high));
 }
 
-std::string to_text(const MeasuredShortcuts& chosen, const MeasuredShortcuts& exact) {
-  return fmt::format(
-      "{}: {:.3g}/255 rms (95 %: up to {:.3g}), {:.4f} s a frame; the most exact setting {:.4f} s",
-      to_text(chosen.shortcuts), chosen.rmse, chosen.rmse_high, chosen.seconds, exact.seconds);
-}
-
 /// Draws these frames, which keep their numbers.
 void draw_again(Job& job, const std::vector<FrameSpec>& frames, const Gallery& gallery, Progress& progress,
                 Launch& launch) {
@@ -99,7 +93,10 @@ bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, L
   launch.check_on_rank_0([&] {
     const MeasuredShortcuts chosen = choose(*measured, o.budget, frame);
     frame = with(frame, chosen.shortcuts);
-    progress.print(to_text(chosen, (*measured)[most_exact(*measured)]));
+    progress.print(fmt::format(
+        "{}: {:.3g}/255 rms (95 %: up to {:.3g}), {:.4f} s a frame; the most exact setting {:.4f} s",
+        to_text(chosen.shortcuts), chosen.rmse, chosen.rmse_high, chosen.seconds,
+        (*measured)[most_exact(*measured)].seconds));
     job.measured = std::move(*measured);
   });
   return !known;

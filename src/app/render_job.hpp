@@ -23,8 +23,8 @@ namespace ringsplat::app {
 struct SeriesEntry {
   int number = 0;  ///< of its picture: the one that --frames counts by
   VolumeOptions volume;
-  std::string name;     ///< for people, without folders: "step_0012.nrrd", "film.nii, frame 12"
-  std::string channel;  ///< its name, where it is drawn with others
+  std::string name;          ///< for people, without folders: "step_0012.nrrd", "film.nii, frame 12"
+  std::string channel = {};  ///< its name, where it is drawn with others
 
   std::string full_name() const { return channel.empty() ? name : name + ", " + channel; }
 };
@@ -55,6 +55,8 @@ struct Job {
   std::size_t volumes() const { return series.size() / channels_drawn(); }
 };
 
+// All ranks call what takes a Launch&, in the same order, and throw the same InputError.
+
 // Where the ranks run, and what follows from it.
 
 /// Cores of all machines that the ranks share; a machine counts at most one a rank.
@@ -72,18 +74,17 @@ int fair_threads(const std::vector<Place>& places, int rank, int working);
 std::string shared_cores_warning(int threads, const std::vector<Place>& places, bool over_mpi);
 
 /// Chooses the layout, the patience with slow ranks and the threads of this rank's engine. Warns on rank 0
-/// when threads that were asked for have to share cores. Collective; throws InputError on all ranks.
+/// when threads that were asked for have to share cores.
 void settle_ranks(Job& job, Launch& launch);
 
 /// Chooses roles where that is left to the program, says how many Renderers get regions, predicts what the
-/// slices of so many volumes take that are held at once, and logs what this rank does. Throws InputError on
-/// all ranks when some process's slices, or its frame buffer, which holds so many `pictures` at once, exceed
-/// the machine's memory.
+/// slices of so many volumes take that are held at once, and logs what this rank does. Throws InputError when
+/// some process's slices, or its frame buffer, which holds so many `pictures` at once, exceed the machine's
+/// memory.
 void settle_layout(Job& job, std::size_t pictures, std::size_t volumes, Launch& launch);
 
 // What all runs do that render a volume.
 
-/// All ranks call it; all throw the same InputError.
 OpenedVolume open(const VolumeOptions& volume, Launch& launch);
 
 /// Stands for a function that may need the histogram of a volume that is not loaded yet, where the rest of a
@@ -108,12 +109,10 @@ std::size_t pictures_at_once(const Job& job, std::size_t views);
 /// Throws InputError when a file cannot be written.
 void check_outputs(const RenderOptions& options);
 
-/// Finds the job's volumes, in all channels that are drawn together, and opens the first. All ranks call it,
-/// and throw the same InputError.
+/// Finds the job's volumes, in all channels that are drawn together, and opens the first.
 void find_volumes(Job& job, Launch& launch);
 
-/// Opens the volume and decides on everything that a run needs to know before loading. All ranks call it, and
-/// throw the same InputError.
+/// Opens the volume and decides on everything that a run needs to know before loading.
 Job prepare(const RenderOptions& given, Launch& launch);
 
 /// The part that all frames share, with the transfer function for the loaded scene, and under --max-error the
@@ -129,9 +128,8 @@ Scene reload(Job& job, Progress& progress, Launch& launch);
 void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum, Launch& launch);
 
 /// Changes `frame` (on rank 0, which announces frames) to the cheapest setting that keeps the job's budget,
-/// by the stored calibration or a new one. All processes call it. Returns true when it rendered with `scene`,
-/// which is then used up and must be loaded again. All throw the same InputError when no setting keeps the
-/// budget.
+/// by the stored calibration or a new one. Returns true when it rendered with `scene`, which is then used up
+/// and must be loaded again. Throws InputError when no setting keeps the budget.
 bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, Launch& launch);
 
 /// The pictures of a run, on rank 0.
@@ -140,9 +138,9 @@ struct Gallery {
   std::function<void(FrameResult&&)> replace = {};  ///< the picture of the frame with this number
 };
 
-/// Draws pictures that break the budget again, with more exact settings, twice at most. All processes call
-/// it, after keep_budget and the run. Warns of each picture that is over the budget then; returns whether
-/// there is none.
+/// Draws pictures that break the budget again, with more exact settings, twice at most. Call it after
+/// keep_budget and the run. Warns of each picture that is over the budget then; returns whether there is
+/// none.
 bool hold_budget(Job& job, const Gallery& gallery, Progress& progress, Launch& launch);
 
 // Series of volumes.
@@ -159,8 +157,7 @@ std::vector<std::pair<int, std::string>> files_of_pattern(const std::string& pat
 std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& numbers,
                                const std::string& what);
 
-/// The volumes that are asked for: without --frames the one. Rank 0 looks for them; all ranks call it, get
-/// the same list, and throw the same InputError.
+/// The volumes that are asked for: without --frames the one. Rank 0 looks for them; all get the same list.
 std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames,
                                      Launch& launch);
 

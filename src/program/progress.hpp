@@ -37,8 +37,8 @@ class Progress {
  public:
   /// When `silent`, shows no progress. `results` is where print() writes.
   explicit Progress(bool silent = false, std::FILE* results = stdout)
-      : silent_(silent), terminal_(isatty(STDERR_FILENO) == 1), results_(results) {
-    if (!silent_) thread_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
+      : terminal_(isatty(STDERR_FILENO) == 1), results_(results) {
+    if (!silent) thread_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
   }
   /// Where progress and results go instead of a terminal, on the thread that reports. May throw to end the
   /// work.
@@ -46,8 +46,7 @@ class Progress {
     std::function<void(const std::string& what, double done, double total)> at;
     std::function<void(const std::string& line)> print;
   };
-  explicit Progress(Listener listener)
-      : silent_(true), terminal_(false), listener_(std::move(listener)), results_(stdout) {}
+  explicit Progress(Listener listener) : terminal_(false), listener_(std::move(listener)), results_(stdout) {}
   ~Progress() {
     const std::lock_guard lock(mutex_);
     thread_.request_stop();
@@ -143,7 +142,7 @@ class Progress {
     on_screen_ = false;
   }
 
-  const bool silent_, terminal_;
+  const bool terminal_;
   const Listener listener_;
   std::FILE* const results_;
   std::mutex mutex_;

@@ -182,8 +182,7 @@ class Parser {
 
   std::uint64_t parse_element(const Element& e, std::uint64_t end, const Encoding& encoding, DicomItem* into,
                               int depth) {
-    const auto* const known = std::find(std::begin(kept_sequences), std::end(kept_sequences), e.tag);
-    const bool sequence = into != nullptr && known != std::end(kept_sequences);
+    const bool sequence = into != nullptr && std::ranges::count(kept_sequences, e.tag) > 0;
     if (!sequence && !e.open_ended()) {
       if (into != nullptr && e.length <= longest_value) keep(e, *into);
       return e.end();

@@ -9,6 +9,7 @@
 #include <span>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "base/srgb.hpp"
 #include "base/text.hpp"
@@ -62,10 +63,7 @@ Microscopy read_image_j(const std::string& description, const std::array<double,
 }
 
 /// A start tag, whatever its namespace.
-struct Element {
-  std::string name;
-  Attributes attributes;
-};
+using Element = std::pair<std::string, Attributes>;
 
 /// The start tags with one of these names, in the text's order.
 struct StartTags : XmlReader {
