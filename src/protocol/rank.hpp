@@ -29,20 +29,75 @@
 
 namespace ringsplat {
 
-/// One rank: its nodes, and the progress loop that gives them messages and time. What comes is taken between
-/// the nodes' bounded pieces of work.
+/// A mesh's frames on rank 0: a complete frame is handed on once what all links carried for it is known.
+class CountedFrames final : public FrameSource {
+ public:
+  /// Both must outlive it.
+  CountedFrames(FrameSource& frames, MeshTransport& mesh, int frames_in_flight)
+      : frames_(frames), mesh_(mesh), most_(frames_in_flight) {}
+
+  std::optional<Bytes> next(std::int64_t frame) override {
+    if (ended_ || waits()) return std::nullopt;
+    auto body = frames_.next(frame);
+    if (body)
+      ++under_way_;
+    else
+      ended_ = !frames_.may_come();
+    return body;
+  }
+  /// The end is said when all is counted, since no rank answers after it.
+  bool may_come() override { return under_way_ > 0 || !counting_.empty() || (!ended_ && frames_.may_come()); }
+  bool unwanted(std::int64_t frame) override { return frames_.unwanted(frame); }
+  void done(FrameStats&& stats) override {
+    --under_way_;
+    const std::int64_t frame = stats.frame;
+    counting_.push_back(std::move(stats));
+    mesh_.collect_counts(frame, [this](std::vector<LinkCounts> counts) {
+      FrameStats counted = std::move(counting_.front());
+      counting_.pop_front();
+      counted.links = std::move(counts);
+      frames_.done(std::move(counted));
+    });
+  }
+  void pause(std::chrono::nanoseconds most) override { frames_.pause(most); }
+
+ private:
+  /// One frame more than may be under way may be counted, so that this does not delay the next frame.
+  bool waits() const { return under_way_ + int(counting_.size()) > most_; }
+
+  FrameSource& frames_;
+  MeshTransport& mesh_;
+  int most_;
+  int under_way_ = 0;  ///< announced and not complete
+  std::deque<FrameStats> counting_;
+  bool ended_ = false;
+};
+
+/// What a study of a run puts between a rank's nodes and the network.
+struct Between {
+  /// Stands between links and nodes; empty: nothing does.
+  std::function<std::unique_ptr<Transport>(Transport& links)> pace = {};
+  MeshRouter::Observer observer = {};  ///< of a mesh's links
+};
+
+/// One rank: its nodes, what carries their messages in a layout, and the progress loop that gives them
+/// messages and time. What comes is taken between the nodes' bounded pieces of work.
 class Host {
  public:
   /// All that is passed by reference or pointer must outlive it. `source` is needed on rank 0 only.
-  Host(const Layout& layout, const ProtocolOptions& options, Transport& transport, Engine& engine,
-       FrameSource* source)
-      : layout_(layout), options_(options), transport_(transport), source_(source) {
-    if (layout.idle > 0) transport.only_first_work(layout.working_ranks());
+  Host(const Layout& layout, const ProtocolOptions& options, Transport& network, Engine& engine,
+       FrameSource* source, const Between& between = {})
+      : layout_(layout), options_(options), transport_(&network), source_(source) {
+    if (layout.routed()) transport_ = &mesh_.emplace(layout, options.link_slots, network, between.observer);
+    if (mesh_ && source != nullptr) source_ = &counted_.emplace(*source, *mesh_, options.frames_in_flight);
+    if (between.pace) paced_ = between.pace(*transport_);
+    if (paced_) transport_ = paced_.get();
+    if (layout.idle > 0) transport_->only_first_work(layout.working_ranks());
     const Post send = [this](Message m) { post(std::move(m)); };
-    for (const NodeId node : layout.nodes_on(transport.rank())) {
+    for (const NodeId node : layout.nodes_on(rank())) {
       const auto make = node.role == Role::gp ? make_gp : make_renderer;
       nodes_.push_back(node == frame_buffer_id
-                           ? make_frame_buffer(layout, options, engine, *source,
+                           ? make_frame_buffer(layout, options, engine, *source_,
                                                [this](Message m) { announce(std::move(m)); })
                            : make({node.index, layout, options, engine, send}));
     }
@@ -51,7 +106,7 @@ class Host {
   /// Handles the messages that have arrived and lets every node work a little; false when nothing could be
   /// done.
   bool step() {
-    bool moved = transport_.begin_turn();
+    bool moved = transport_->begin_turn();
     // Messages first: tokens, accepts and messages in transit unblock other ranks.
     moved = take_arrived() || moved;
     for (const auto& node : nodes_) {
@@ -63,7 +118,7 @@ class Host {
   }
 
   /// True once the run is shut down and everything is sent.
-  bool finished() { return shutting_down_ && local_.empty() && transport_.sends_done(); }
+  bool finished() { return shutting_down_ && local_.empty() && transport_->sends_done(); }
   /// Steps until finished; throws RunError when nothing moved for the stall timeout.
   void run() {
     constexpr double longest_between_steps = 0.1;
@@ -72,7 +127,7 @@ class Host {
       const bool moved = step();
       const double passed = seconds_awake(last, longest_between_steps);
       if (moved) {
-        transport_.note_progress();
+        transport_->note_progress();
         still = 0;
       } else {
         still += passed;
@@ -95,12 +150,12 @@ class Host {
   std::string waiting_for() const {
     std::vector<std::string> all;
     for (const auto& node : nodes_) all.push_back(node->waiting_for());
-    all.push_back(transport_.waiting_for());
+    all.push_back(transport_->waiting_for());
     std::erase(all, "");
     return fmt::to_string(fmt::join(all, "; "));
   }
 
-  int rank() const { return transport_.rank(); }
+  int rank() const { return transport_->rank(); }
 
  private:
   void post(Message message) {
@@ -108,16 +163,16 @@ class Host {
     if (to == rank())
       local_.push_back(std::move(message));
     else
-      transport_.send(to, std::move(message));
+      transport_->send(to, std::move(message));
   }
 
   void wait() {
     if (!idle()) {
-      transport_.wait_next();
+      transport_->wait_next();
     } else if (source_ != nullptr && rank() == 0) {
-      transport_.wait_between_frames([this](std::chrono::nanoseconds most) { source_->pause(most); });
+      transport_->wait_between_frames([this](std::chrono::nanoseconds most) { source_->pause(most); });
     } else {
-      transport_.wait_between_frames({});
+      transport_->wait_between_frames({});
     }
   }
 
@@ -127,7 +182,7 @@ class Host {
   }
 
   std::optional<Message> next_arrived() {
-    if (local_.empty()) return transport_.receive();
+    if (local_.empty()) return transport_->receive();
     Message message = std::move(local_.front());
     local_.pop_front();
     return message;
@@ -140,7 +195,7 @@ class Host {
       take(std::move(*message));
       moved = true;
     }
-    return transport_.relayed() || moved;
+    return transport_->relayed() || moved;
   }
 
   void announce(Message message) {
@@ -150,7 +205,7 @@ class Host {
       Message copy = message;
       copy.header.destination_role = Role::host;
       copy.header.destination = child;
-      transport_.send(child, std::move(copy));
+      transport_->send(child, std::move(copy));
     }
     take_announcement(message);
   }
@@ -207,18 +262,22 @@ class Host {
     const std::string what = waiting_for();
     log_error("rank {} is stalled: {}", rank(), what.empty() ? "it waits for the next frame" : what);
     for (int r = 0; r < layout_.ranks(); ++r)
-      if (r != rank()) transport_.send(r, Message({.kind = Kind::stall, .source = rank(), .destination = r}));
+      if (r != rank())
+        transport_->send(r, Message({.kind = Kind::stall, .source = rank(), .destination = r}));
     // Time for the request to arrive and the answers to be printed before the run ends.
     const double until = now_seconds() + 0.5;
     while (now_seconds() < until) {
-      static_cast<void>(transport_.sends_done());
-      transport_.wait_next();
+      static_cast<void>(transport_->sends_done());
+      transport_->wait_next();
     }
   }
 
   Layout layout_;
   ProtocolOptions options_;
-  Transport& transport_;
+  std::optional<MeshTransport> mesh_;
+  std::optional<CountedFrames> counted_;  ///< a mesh's frames
+  std::unique_ptr<Transport> paced_;
+  Transport* transport_;  ///< the one of these that nodes see, or the network
   FrameSource* source_;
   std::vector<std::unique_ptr<Node>> nodes_;
   std::deque<Message> local_;  ///< messages between nodes of this rank
@@ -229,89 +288,6 @@ class Host {
   bool shutting_down_ = false;
   bool told_stall_ = false;
 };
-
-/// A mesh's frames on rank 0: a complete frame is handed on once what all links carried for it is known.
-class CountedFrames final : public FrameSource {
- public:
-  /// Both must outlive it.
-  CountedFrames(FrameSource& frames, MeshTransport& mesh, int frames_in_flight)
-      : frames_(frames), mesh_(mesh), most_(frames_in_flight) {}
-
-  std::optional<Bytes> next(std::int64_t frame) override {
-    if (ended_ || waits()) return std::nullopt;
-    auto body = frames_.next(frame);
-    if (body)
-      ++under_way_;
-    else
-      ended_ = !frames_.may_come();
-    return body;
-  }
-  /// The end is said when all is counted, since no rank answers after it.
-  bool may_come() override { return under_way_ > 0 || !counting_.empty() || (!ended_ && frames_.may_come()); }
-  bool unwanted(std::int64_t frame) override { return frames_.unwanted(frame); }
-  void done(FrameStats&& stats) override {
-    --under_way_;
-    const std::int64_t frame = stats.frame;
-    counting_.push_back(std::move(stats));
-    mesh_.collect_counts(frame, [this](std::vector<LinkCounts> counts) {
-      FrameStats counted = std::move(counting_.front());
-      counting_.pop_front();
-      counted.links = std::move(counts);
-      frames_.done(std::move(counted));
-    });
-  }
-  void pause(std::chrono::nanoseconds most) override { frames_.pause(most); }
-
- private:
-  /// One frame more than may be under way may be counted, so that this does not delay the next frame.
-  bool waits() const { return under_way_ + int(counting_.size()) > most_; }
-
-  FrameSource& frames_;
-  MeshTransport& mesh_;
-  int most_;
-  int under_way_ = 0;  ///< announced and not complete
-  std::deque<FrameStats> counting_;
-  bool ended_ = false;
-};
-
-/// What a study of a run puts between a rank's nodes and the network.
-struct Between {
-  /// Stands between links and nodes; empty: nothing does.
-  std::function<std::unique_ptr<Transport>(Transport& links)> pace = {};
-  MeshRouter::Observer observer = {};  ///< of a mesh's links
-};
-
-/// A host with what carries its messages in a layout: a network, and in a mesh its links.
-class Rank {
- public:
-  /// As Host's.
-  Rank(const Layout& layout, const ProtocolOptions& options, Transport& network, Engine& engine,
-       FrameSource* source, const Between& between = {}) {
-    if (layout.routed()) mesh_.emplace(layout, options.link_slots, network, between.observer);
-    if (mesh_ && source != nullptr) source = &frames_.emplace(*source, *mesh_, options.frames_in_flight);
-    Transport& links = mesh_ ? *mesh_ : network;
-    if (between.pace) paced_ = between.pace(links);
-    host_.emplace(layout, options, paced_ ? *paced_ : links, engine, source);
-  }
-  Host& host() { return *host_; }
-
- private:
-  std::optional<MeshTransport> mesh_;
-  std::optional<CountedFrames> frames_;
-  std::unique_ptr<Transport> paced_;
-  std::optional<Host> host_;
-};
-
-inline std::string who_waits(const std::vector<std::unique_ptr<Rank>>& ranks, int stopped_rank) {
-  std::string who;
-  for (const auto& rank : ranks) {
-    const Host& host = rank->host();
-    const std::string what = host.waiting_for();
-    who += fmt::format("\n  rank {}{}: {}", host.rank(), host.rank() == stopped_rank ? " (stopped)" : "",
-                       what.empty() ? "the next frame" : what);
-  }
-  return who;
-}
 
 /// Runs all ranks of a layout in this thread until the source has no more frames. `make_engine(rank)` makes
 /// each rank's engine. With `loopback.reorder` the ranks' turns are shuffled too. Throws RunError that says
@@ -332,17 +308,17 @@ inline void run_loopback(const Layout& layout, const ProtocolOptions& options,
   }
   LoopbackNetwork network(layout.ranks(), loopback);
   std::vector<std::unique_ptr<Engine>> engines;
-  std::vector<std::unique_ptr<Rank>> ranks;
+  std::vector<std::unique_ptr<Host>> ranks;
   for (int rank = 0; rank < layout.ranks(); ++rank) {
     engines.push_back(make_engine(rank));
-    ranks.push_back(std::make_unique<Rank>(layout, protocol, network.transport(rank), *engines.back(),
+    ranks.push_back(std::make_unique<Host>(layout, protocol, network.transport(rank), *engines.back(),
                                            rank == 0 ? &source : nullptr, in_step));
   }
   std::vector<std::size_t> order(ranks.size());
   std::iota(order.begin(), order.end(), 0);
   int quiet_turns = 0, pauses = 0;
   for (std::int64_t turn = 0;
-       !std::all_of(ranks.begin(), ranks.end(), [](const auto& r) { return r->host().finished(); }); ++turn) {
+       !std::all_of(ranks.begin(), ranks.end(), [](const auto& r) { return r->finished(); }); ++turn) {
     if (loopback.poll) loopback.poll();
     // Asked before the ranks are: another thread may end the source while they look for its next frame.
     const bool more_may_come = source.may_come();
@@ -351,7 +327,7 @@ inline void run_loopback(const Layout& layout, const ProtocolOptions& options,
     const int stopped_rank = turn >= loopback.stops_at_turn ? loopback.stopping_rank : -1;
     bool moved = false;
     for (const auto rank : order)
-      if (int(rank) != stopped_rank) moved = ranks[rank]->host().step() || moved;
+      if (int(rank) != stopped_rank) moved = ranks[rank]->step() || moved;
     network.turn();
     quiet_turns = moved ? 0 : quiet_turns + 1;
     if (moved) pauses = 0;
@@ -362,9 +338,16 @@ inline void run_loopback(const Layout& layout, const ProtocolOptions& options,
       source.pause(std::min(longest, shortest * (1 + pauses++ / 16)));
       continue;
     }
-    if (clock->kept == 0)
-      throw RunError("no rank can move and no message on its way can change that:" +
-                     who_waits(ranks, stopped_rank));
+    if (clock->kept == 0) {
+      std::string who;
+      for (const auto& rank : ranks) {
+        const std::string what = rank->waiting_for();
+        who +=
+            fmt::format("\n  rank {}{}: {}", rank->rank(), rank->rank() == stopped_rank ? " (stopped)" : "",
+                        what.empty() ? "the next frame" : what);
+      }
+      throw RunError("no rank can move and no message on its way can change that:" + who);
+    }
     clock->advance();
     quiet_turns = 0;
   }

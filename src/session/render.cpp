@@ -218,7 +218,7 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
   const auto engine = engine_of(wiring.transport->rank());
   const auto network = options.network ? options.network(*wiring.transport) : nullptr;
   Transport& transport = network ? *network : *wiring.transport;
-  Rank(layout, protocol, transport, *engine, &frames, {.pace = options.pace}).host().run();
+  Host(layout, protocol, transport, *engine, &frames, {.pace = options.pace}).run();
 }
 
 std::unique_ptr<Engine> make_engines(const EngineSetup& setup, std::vector<MethodEngine> methods) {

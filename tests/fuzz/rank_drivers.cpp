@@ -74,8 +74,8 @@ class Rank {
       : frames_(rank == 0 ? director_of({jobs()[job].spec}, [](FrameResult&&) {}) : Director{},
                 scene_of(job).grid, jobs()[job].layout.renderers),
         engine_(engine_of(job, rank)),
-        rank_(jobs()[job].layout, jobs()[job].protocol, transport, *engine_, &frames_) {}
-  Host& host() { return rank_.host(); }
+        host_(jobs()[job].layout, jobs()[job].protocol, transport, *engine_, &frames_) {}
+  Host& host() { return host_; }
 
  private:
   std::unique_ptr<Engine> engine_of(std::size_t job, int rank) {
@@ -92,7 +92,7 @@ class Rank {
   }
   DirectedFrames frames_;
   std::unique_ptr<Engine> engine_;
-  ringsplat::Rank rank_;
+  Host host_;
 };
 
 /// Delivers an input's parts, one whenever the rank has nothing left to do, so that no answer comes before

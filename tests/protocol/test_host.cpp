@@ -117,8 +117,7 @@ TEST_CASE("a rank of a mesh has not finished while a neighbour owes it credits")
   const Layout mesh = mesh_layout(2, 1, 1);
   LoopbackNetwork network(mesh.ranks());
   ToyEngine engine;
-  Rank rank(mesh, {}, network.transport(1), engine, nullptr);
-  Host& host = rank.host();
+  Host host(mesh, {}, network.transport(1), engine, nullptr);
   const auto give = [&](const Header& header, Bytes body = {}) {
     network.transport(0).send(1, Message(header, std::move(body)));
     while (host.step()) {
@@ -149,19 +148,18 @@ TEST_CASE("when all ranks of a mesh have finished nothing is left in the network
     const ToyFrame frame{.steps = 9, .gps = mesh.gps, .renderers = mesh.renderers, .tiles = mesh.renderers};
     ToyFrames frames({frame, frame});
     std::deque<ToyEngine> engines;
-    std::vector<std::unique_ptr<Rank>> ranks;
+    std::vector<std::unique_ptr<Host>> ranks;
     for (int rank = 0; rank < mesh.ranks(); ++rank)
-      ranks.push_back(std::make_unique<Rank>(mesh, ProtocolOptions{.link_slots = 2}, network.transport(rank),
+      ranks.push_back(std::make_unique<Host>(mesh, ProtocolOptions{.link_slots = 2}, network.transport(rank),
                                              engines.emplace_back(), rank == 0 ? &frames : nullptr));
     const auto all_finished = [&] {
-      return std::all_of(ranks.begin(), ranks.end(),
-                         [](const auto& rank) { return rank->host().finished(); });
+      return std::all_of(ranks.begin(), ranks.end(), [](const auto& rank) { return rank->finished(); });
     };
     for (int turn = 0; !all_finished(); ++turn) {
       REQUIRE(turn < 100000);
       // As in a rank's own loop: a finished host receives nothing more.
       for (const auto& rank : ranks)
-        if (!rank->host().finished()) rank->host().step();
+        if (!rank->finished()) rank->step();
       network.turn();
     }
     INFO("seed " << seed);

@@ -262,7 +262,7 @@ TEST_CASE("the watchdog ends a rank's run and says whom it waits for") {
   DirectedFrames frames({.next_frame = [] { return std::optional(small_view(48)); }, .frame_done = {}},
                         scene.grid, mesh.renderers);
   std::vector<std::unique_ptr<Engine>> engines;
-  std::vector<std::unique_ptr<Rank>> ranks;
+  std::vector<std::unique_ptr<Host>> ranks;
   for (int rank = 0; rank < mesh.ranks(); ++rank) {
     engines.push_back(
         make_rank_engine({.grid = scene.grid,
@@ -271,20 +271,20 @@ TEST_CASE("the watchdog ends a rank's run and says whom it waits for") {
                           .slices = std::make_shared<const SliceStore>(
                               rank < mesh.gps ? std::move(scene.stores.at(rank)) : SliceStore())}));
     ranks.push_back(
-        std::make_unique<Rank>(mesh, ProtocolOptions{.slots = 1, .link_slots = 1, .stall_timeout = 0.05},
+        std::make_unique<Host>(mesh, ProtocolOptions{.slots = 1, .link_slots = 1, .stall_timeout = 0.05},
                                network.transport(rank), *engines.back(), rank == 0 ? &frames : nullptr));
   }
   constexpr int stopped = 5;  // Renderer 1
   for (bool moved = true; moved; network.turn()) {
     moved = false;
     for (int rank = 0; rank < mesh.ranks(); ++rank)
-      moved = (rank != stopped && ranks[std::size_t(rank)]->host().step()) || moved;
+      moved = (rank != stopped && ranks[std::size_t(rank)]->step()) || moved;
   }
   std::string report;
   for (const auto& rank : ranks) {
-    if (rank->host().rank() == stopped) continue;
+    if (rank->rank() == stopped) continue;
     try {
-      rank->host().run();
+      rank->run();
     } catch (const RunError& e) {
       report += e.what();
     }
