@@ -3,7 +3,6 @@
 #include <functional>
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "net/message.hpp"
 
@@ -40,14 +39,13 @@ class Transport {
   virtual void only_first_work(int /*ranks*/) {}
 };
 
-/// Forwards everything to another transport; derived ones override what they change.
+/// Forwards to another transport what not every derived one changes.
 class TransportDecorator : public Transport {
  public:
   /// `inner` must outlive it.
   explicit TransportDecorator(Transport& inner) : inner_(inner) {}
   int rank() const override { return inner_.rank(); }
   int ranks() const override { return inner_.ranks(); }
-  void send(int destination, Message message) override { inner_.send(destination, std::move(message)); }
   std::optional<Message> receive() override { return inner_.receive(); }
   bool sends_done() override { return inner_.sends_done(); }
   bool begin_turn() override { return inner_.begin_turn(); }

@@ -4,8 +4,7 @@
 
 #include "protocol/engine.hpp"
 
-/// Engines that change what another engine does. These forward everything; derived ones override what they
-/// change.
+/// Engines that change what another engine does. These forward what not every derived one changes.
 namespace ringsplat {
 
 class EncoderDecorator : public Encoder {
@@ -16,7 +15,6 @@ class EncoderDecorator : public Encoder {
   bool prepare() override { return inner_->prepare(); }
   void begin(int step) override { inner_->begin(step); }
   bool work() override { return inner_->work(); }
-  EncodedStep finish() override { return inner_->finish(); }
   void take_news(std::span<const std::byte> news) override { inner_->take_news(news); }
   std::uint64_t slice_memory() const override { return inner_->slice_memory(); }
 
@@ -28,8 +26,6 @@ class PainterDecorator : public Painter {
  public:
   explicit PainterDecorator(std::shared_ptr<Painter> inner) : inner_(std::move(inner)) {}
   bool prepare() override { return inner_->prepare(); }
-  void begin(const PayloadToDraw& payload) override { inner_->begin(payload); }
-  bool work() override { return inner_->work(); }
   void skip(const PayloadToDraw& payload) override { inner_->skip(payload); }
   bool conclude() override { return inner_->conclude(); }
   void news(int gp, Bytes& news) override { inner_->news(gp, news); }
@@ -45,7 +41,6 @@ class EngineDecorator : public Engine {
  public:
   explicit EngineDecorator(std::unique_ptr<Engine> inner) : inner_(std::move(inner)) {}
   FramePlan plan(const Announcement& a) override { return inner_->plan(a); }
-  std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override { return inner_->encoder(gp, a); }
   std::unique_ptr<Canvas> canvas(const Announcement& a) override { return inner_->canvas(a); }
 
  protected:
