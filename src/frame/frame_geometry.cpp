@@ -18,12 +18,6 @@ LatticeFrame lattice_frame(const Grid& grid) {
 
 namespace {
 
-VoxelBox shown_box(const std::optional<VoxelBox>& clip, const Grid& grid) {
-  if (!clip) return whole_box(grid);
-  check(*clip, grid);
-  return *clip;
-}
-
 /// The view of a lattice, from the lattice that begins at its voxel `first`.
 ViewTransform moved_view(ViewTransform view, const glm::ivec3& first) {
   view.offset = view.project(glm::dvec3(first));
@@ -38,31 +32,6 @@ Traversal traversal_of(const ViewTransform& view, const Grid& grid, const VoxelB
 
 SliceRule slice_rule(const Method& how) {
   return std::holds_alternative<Sheets>(how) ? SliceRule::most_crossed : SliceRule::most_parallel;
-}
-
-/// Where a reduced volume's first voxel lies in the volume's lattice, along each axis.
-double first_voxel(const Reduction& reduction) {
-  return reduction.prefilter ? 0.5 * (reduction.factor - 1) : 0.0;
-}
-
-/// The view of a reduced volume's lattice that shows it where the volume is.
-ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
-  const double middle = first_voxel(reduction);
-  view.offset = view.project(glm::dvec3(middle));
-  view.linear *= double(reduction.factor);
-  if (view.eye) *view.eye = (*view.eye - middle) / double(reduction.factor);
-  return view;
-}
-
-/// `first`: that grid's first voxel in the lattice of the whole volume, whose voxels are `factor` times as
-/// small.
-LatticePlane plane_in_lattice(const ClipPlane& plane, const Grid& whole, const glm::dvec3& first,
-                              double factor) {
-  const glm::dvec3 normal = glm::normalize(plane.normal), middle = 0.5 * glm::dvec3(whole.dims - 1);
-  glm::dvec3 along;
-  for (int k = 0; k < 3; ++k) along[k] = glm::dot(normal, whole.direction[k]) * whole.spacing[k];
-  const double length = factor * glm::length(along);
-  return {factor * along / length, (glm::dot(along, first - middle) - plane.distance) / length};
 }
 
 void lay_into_slices(FrameGeometry& g, const Shown& shown, double samples, double reach_in_voxels,
@@ -80,12 +49,19 @@ FrameGeometry screen_geometry(const Shown& shown, const Grid& grid, SliceRule ru
   FrameGeometry g;
   g.view = make_view(shown.camera, lattice_frame(grid), shown.width, shown.height);
   g.grid = grid;
-  g.box = shown_box(shown.clip, grid);
+  if (shown.clip) check(*shown.clip, grid);
+  g.box = shown.clip.value_or(whole_box(grid));
   g.traversal = traversal_of(g.view, grid, g.box, rule);
+  // Where a reduced volume's first voxel lies in the volume's lattice, along each axis.
+  const double factor = shown.reduction.factor,
+               first_reduced = shown.reduction.prefilter ? 0.5 * (factor - 1) : 0.0;
   if (shown.reduction.factor > 1) {
     g.grid = reduced_grid(grid, shown.reduction);
     g.box = shown.clip ? reduced_box(*shown.clip, grid, shown.reduction) : whole_box(g.grid);
-    g.view = reduced_view(g.view, shown.reduction);
+    // Shows the reduced volume's lattice where the volume is.
+    g.view.offset = g.view.project(glm::dvec3(first_reduced));
+    g.view.linear *= factor;
+    if (g.view.eye) *g.view.eye = (*g.view.eye - first_reduced) / factor;
     // The reduced box may be larger, so that the eye lies among its slices. Only the whole's are loaded.
     if (g.view.eye && traversal_of(g.view, g.grid, g.box, rule).axis != g.traversal.axis)
       throw InputError("the eye is too near to the volume to see it undersampled",
@@ -96,10 +72,17 @@ FrameGeometry screen_geometry(const Shown& shown, const Grid& grid, SliceRule ru
     g.view = moved_view(g.view, g.box.first);
     g.grid = clipped_grid(g.grid, g.box);
   }
-  const double factor = shown.reduction.factor;
-  const glm::dvec3 first = factor * glm::dvec3(g.box.first) + first_voxel(shown.reduction);
-  for (const ClipPlane& plane : shown.clip_planes)
-    g.clip_planes.push_back(plane_in_lattice(plane, grid, first, factor));
+  // The grid's first voxel in the lattice of the whole volume, whose voxels are `factor` times as small.
+  const glm::dvec3 first = factor * glm::dvec3(g.box.first) + first_reduced,
+                   middle = 0.5 * glm::dvec3(grid.dims - 1);
+  for (const ClipPlane& plane : shown.clip_planes) {
+    const glm::dvec3 normal = glm::normalize(plane.normal);
+    glm::dvec3 along;
+    for (int k = 0; k < 3; ++k) along[k] = glm::dot(normal, grid.direction[k]) * grid.spacing[k];
+    const double length = factor * glm::length(along);
+    g.clip_planes.push_back(
+        {factor * along / length, (glm::dot(along, first - middle) - plane.distance) / length});
+  }
   g.width = shown.width;
   g.height = shown.height;
   g.slices = g.grid.slices(g.traversal.axis);
@@ -120,16 +103,6 @@ void fit(FrameGeometry& g, const Shown& shown, const Splats& splats) {
   check(splats.kernel, footprint);
 }
 
-/// The largest magnification in the volume's box.
-double most_magnified(const ViewTransform& view, const glm::ivec3& dims) {
-  double most = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 far{corner & 1, corner >> 1 & 1, corner >> 2};
-    most = std::max(most, view.magnification(far * glm::dvec3(dims) - 0.5));
-  }
-  return most;
-}
-
 /// A sheet's voxel is seen up to a lattice distance from its centre, or half of one beyond the box's faces.
 void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
   // Sheets err more in that plane, so they go there where it saves pixels only.
@@ -142,7 +115,12 @@ void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
   for (int along = 0; along < 2; ++along)
     g.reach[along] = std::abs(g.view.linear[u][along]) + std::abs(g.view.linear[v][along]) +
                      0.5 * std::abs(g.view.linear[k][along]);
-  g.reach *= most_magnified(g.view, g.grid.dims);
+  double magnification = 0;  // the largest in the volume's box
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 far{corner & 1, corner >> 1 & 1, corner >> 2};
+    magnification = std::max(magnification, g.view.magnification(far * glm::dvec3(g.grid.dims) - 0.5));
+  }
+  g.reach *= magnification;
 }
 
 }  // namespace

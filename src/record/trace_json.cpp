@@ -63,11 +63,6 @@ struct Row {
   std::vector<Line> lines = {};
   std::vector<Nanoseconds> edges = {};  ///< where something begins or ends
 
-  void write(const NodeRecord& record, const std::map<FlowKey, std::int64_t>& flows) {
-    for (const auto& span : record.spans) write(span);
-    write_marks(record.marks, flows);
-  }
-
   /// A parent stands before its children and before the flows that bind to it.
   void append_to(std::string& text) {
     std::ranges::stable_sort(lines, {}, [](const Line& l) { return std::pair(l.time, -l.duration); });
@@ -185,7 +180,8 @@ std::string to_chrome_trace(const Trace::Gathered& trace, const Layout& layout) 
     add(metadata("thread_name", process, thread, "name", to_string(record.node)));
     add(metadata("thread_sort_index", process, thread, "sort_index", thread));
     Row row{process, thread, start};
-    row.write(record, flows);
+    for (const auto& span : record.spans) row.write(span);
+    row.write_marks(record.marks, flows);
     row.append_to(text);
   }
   return text + "\n]}\n";

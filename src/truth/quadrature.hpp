@@ -30,13 +30,6 @@ struct Rule {
   Nodes node, weight;
   std::array<Nodes, rule_nodes> up_to;  ///< [i][j]: weight of node j over [0, node i]
 };
-/// Both ends and the zeros of the derivative of Legendre's polynomial of degree four (Abramowitz and Stegun
-/// 1964, table 25.6), in closed form and moved to [0, 1].
-inline Nodes lobatto_abscissae() {
-  const double inner = std::sqrt(3.0 / 7);
-  return {0.0, 0.5 * (1 - inner), 0.5, 0.5 * (1 + inner), 1.0};
-}
-
 inline double lagrange(const Nodes& nodes, std::size_t j, double x) {
   double product = 1;
   for (std::size_t m = 0; m < rule_nodes; ++m)
@@ -44,27 +37,27 @@ inline double lagrange(const Nodes& nodes, std::size_t j, double x) {
   return product;
 }
 
-/// Each weight is the integral of its node's Lagrange polynomial: of degree four, which three Gauss points
-/// integrate exactly.
-inline Rule make_rule(const Nodes& nodes) {
-  const double outer = std::sqrt(0.6);
-  const double place[3] = {0.5 * (1 - outer), 0.5, 0.5 * (1 + outer)},
-               share[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
-  Rule rule{nodes, {}, {}};
-  for (std::size_t j = 0; j < rule_nodes; ++j)
-    for (int g = 0; g < 3; ++g) {
-      rule.weight[j] += share[g] * lagrange(nodes, j, place[g]);
-      for (std::size_t i = 0; i < rule_nodes; ++i)
-        rule.up_to[i][j] += nodes[i] * share[g] * lagrange(nodes, j, nodes[i] * place[g]);
-    }
-  return rule;
-}
-
 /// Lobatto's nodes, which include both ends: no jump or bend can hide between an outer node and the end. The
 /// end nodes lie 1e-9 of the length inside, so that a jump at the end itself has no effect.
 inline const Rule& lobatto_rule() {
-  static const Rule rule = make_rule(lobatto_abscissae());
-  return rule;
+  static const Rule lobatto = [] {
+    // Both ends and the zeros of the derivative of Legendre's polynomial of degree four (Abramowitz and
+    // Stegun 1964, table 25.6), in closed form and moved to [0, 1].
+    const double inner = std::sqrt(3.0 / 7), outer = std::sqrt(0.6);
+    Rule rule{{0.0, 0.5 * (1 - inner), 0.5, 0.5 * (1 + inner), 1.0}, {}, {}};
+    // Each weight is the integral of its node's Lagrange polynomial: of degree four, which three Gauss points
+    // integrate exactly.
+    const double place[3] = {0.5 * (1 - outer), 0.5, 0.5 * (1 + outer)},
+                 share[3] = {5.0 / 18, 8.0 / 18, 5.0 / 18};
+    for (std::size_t j = 0; j < rule_nodes; ++j)
+      for (int g = 0; g < 3; ++g) {
+        rule.weight[j] += share[g] * lagrange(rule.node, j, place[g]);
+        for (std::size_t i = 0; i < rule_nodes; ++i)
+          rule.up_to[i][j] += rule.node[i] * share[g] * lagrange(rule.node, j, rule.node[i] * place[g]);
+      }
+    return rule;
+  }();
+  return lobatto;
 }
 
 /// Replaces infinite extinction at a single node: −ln of the smallest 1 − α that a double holds. If opacity 1

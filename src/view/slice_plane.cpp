@@ -47,25 +47,6 @@ struct Box {
   }
 };
 
-/// The box that `slices` slices of `extent` voxels cover, kernels included. Each is `shear` pixels from the
-/// one before.
-Box slices_box(const glm::dvec2& extent, int slices, const glm::dvec2& pixels_a_voxel,
-               const glm::dvec2& shear, const glm::dvec2& reach) {
-  Box box;
-  for (const double slice : {0.0, double(slices - 1)}) {
-    box.include(shear * slice - reach);
-    box.include(shear * slice + pixels_a_voxel * (extent - 1.0) + reach);
-  }
-  return box;
-}
-
-Box screen_box(const PlaneWarp& warp, int width, int height) {
-  Box box;
-  for (const double x : {0.0, double(width)})
-    for (const double y : {0.0, double(height)}) box.include(warp.from_screen({x, y}));
-  return box;
-}
-
 }  // namespace
 
 double plane_density(const ViewTransform& view, Axis axis, double samples, double least) {
@@ -86,8 +67,13 @@ SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ive
   plane.warp = {from_screen, -(from_screen * glm::dvec2(view.offset))};
   // A kernel is never narrower than a pixel, and its window ends within the pixel after that.
   const glm::dvec2 reach = glm::max(radius * plane.pixels_a_voxel, glm::dvec2(1.0)) + 1.0;
-  const Box slices = slices_box({dims[u], dims[v]}, dims[k], plane.pixels_a_voxel, shear, reach);
-  const Box screen = screen_box(plane.warp, width, height);
+  Box slices, screen;  // kernels included
+  for (const double slice : {0.0, double(dims[k] - 1)}) {
+    slices.include(shear * slice - reach);
+    slices.include(shear * slice + plane.pixels_a_voxel * (glm::dvec2(dims[u], dims[v]) - 1.0) + reach);
+  }
+  for (const double x : {0.0, double(width)})
+    for (const double y : {0.0, double(height)}) screen.include(plane.warp.from_screen({x, y}));
   const glm::dvec2 low = glm::floor(glm::max(slices.low, screen.low)) - double(SlicePlane::border);
   const glm::dvec2 size = glm::max(
       glm::ceil(glm::min(slices.high, screen.high)) + double(SlicePlane::border) - low, glm::dvec2(1.0));

@@ -64,11 +64,6 @@ glm::dvec3 often_crossed(glm::dvec3 suits, const glm::dvec3& ray) {
   return suits;
 }
 
-/// The ray between two neighbouring slices of the axis, in the world.
-glm::dvec3 world_step(const LatticeFrame& lattice, const glm::dvec3& ray, int axis) {
-  return lattice.direction * (lattice.spacing * (ray / std::abs(ray[axis])));
-}
-
 }  // namespace
 
 Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice, SliceRule rule) {
@@ -82,7 +77,8 @@ Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattic
   traversal.ascending = geometry.ray[k] > 0;
   traversal.cos_angle = std::abs(geometry.cos_angles[k]);
   const double unit_length = std::min({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});
-  traversal.slice_distance = safe_length(world_step(lattice, geometry.ray, k)) / unit_length;
+  const glm::dvec3 step = geometry.ray / std::abs(geometry.ray[k]);  // between two neighbouring slices
+  traversal.slice_distance = safe_length(lattice.direction * (lattice.spacing * step)) / unit_length;
   glm::dvec3 cells = geometry.ray / geometry.ray[k];
   cells[k] = 0;
   // Light changes along what does not bend.
