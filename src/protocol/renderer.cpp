@@ -35,8 +35,10 @@ class Renderer final : public Node {
     const Header& h = message.header;
     Frame& frame = frame_of(h);
     if (h.kind == Kind::payload) return take_payload(frame, std::move(message));
-    if (h.kind == Kind::frame_end) return take_end(frame, h);
-    refuse(id(), h);
+    if (h.kind != Kind::frame_end) refuse(id(), h);
+    if (frame.payloads_expected)
+      throw RunError(fmt::format("{} was told twice that frame {} is complete", to_string(id()), h.frame));
+    frame.payloads_expected = fields_of<FrameEndFields>(h).payloads;
   }
 
   bool advance() override {
@@ -85,12 +87,6 @@ class Renderer final : public Node {
       if (frame.announcement.frame == h.frame) return frame;
     throw RunError(fmt::format("{} got a {} of frame {} from {} after that frame was delivered",
                                to_string(id()), name(h.kind), h.frame, to_string(h.from())));
-  }
-
-  void take_end(Frame& frame, const Header& h) {
-    if (frame.payloads_expected)
-      throw RunError(fmt::format("{} was told twice that frame {} is complete", to_string(id()), h.frame));
-    frame.payloads_expected = fields_of<FrameEndFields>(h).payloads;
   }
 
   void take_payload(Frame& frame, Message message) {

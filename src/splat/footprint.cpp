@@ -16,19 +16,6 @@ namespace {
 constexpr double widest_half_extent =
     268435456;  // 2^28: windows then fit 32-bit pixel arithmetic with room to spare
 
-/// Symmetric 2×2 matrix [xx xy; xy yy] as its eigenvalues and the larger one's direction.
-struct Spectrum {
-  double large, small;
-  glm::dvec2 direction;
-};
-
-Spectrum decompose(double xx, double xy, double yy) {
-  const double centre = 0.5 * (xx + yy), difference = 0.5 * (xx - yy);
-  const double spread = std::hypot(difference, xy);
-  const double angle = 0.5 * std::atan2(xy, difference);
-  return {centre + spread, std::max(0.0, centre - spread), {std::cos(angle), std::sin(angle)}};
-}
-
 /// The symmetric matrix with the eigenvalue `along` in `direction` and `across` perpendicular to it.
 glm::dmat2 compose(double along, double across, glm::dvec2 direction) {
   const double xx = across + (along - across) * direction.x * direction.x;
@@ -54,14 +41,19 @@ Footprint make_footprint(const ViewTransform& view, Axis axis, double radius) {
   }
 
   Footprint footprint;
-  const auto spectrum = decompose(variance[0][0], variance[0][1], variance[1][1]);
+  // The eigenvalues are centre ± spread.
+  const double centre = 0.5 * (variance[0][0] + variance[1][1]),
+               difference = 0.5 * (variance[0][0] - variance[1][1]),
+               spread = std::hypot(difference, variance[0][1]);
   constexpr double floor = narrowest_half_width * narrowest_half_width;
-  if (spectrum.small >= floor) {
+  if (centre - spread >= floor) {
     footprint.p = glm::inverse(block) / radius;
   } else {
-    const double large = std::max(spectrum.large, floor);
-    variance = compose(large, floor, spectrum.direction);
-    footprint.p = compose(1 / std::sqrt(large), 1 / std::sqrt(floor), spectrum.direction);
+    const double large = std::max(centre + spread, floor),
+                 angle = 0.5 * std::atan2(variance[0][1], difference);  // of its direction
+    const glm::dvec2 direction{std::cos(angle), std::sin(angle)};
+    variance = compose(large, floor, direction);
+    footprint.p = compose(1 / std::sqrt(large), 1 / std::sqrt(floor), direction);
   }
   const glm::dmat2 form = glm::transpose(footprint.p) * footprint.p;
   footprint.d = -form[0][0];

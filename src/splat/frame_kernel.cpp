@@ -46,22 +46,17 @@ void check(const KernelOptions& options, const Footprint& footprint) {
         texture ? "use --kernel qee or a smaller --zoom" : "use --qee-bits 0 or a smaller --zoom");
 }
 
-namespace {
-
-KernelWeights choose_weights(const Footprint& footprint, const KernelOptions& options) {
-  if (options.method == KernelMethod::texture)
-    return TabledWeights{std::make_shared<FootprintTable>(make_footprint_table(footprint, options.phases))};
-  if (options.qee_bits > 0) return FixedPointWeights{options.qee_bits};
-  if (has_stencil(footprint)) return StencilWeights{};
-  return RowWeights{};
-}
-
-}  // namespace
-
 FrameKernel make_frame_kernel(const Footprint& footprint, const ViewTransform& view, Axis axis,
                               const KernelOptions& options) {
   check(options, footprint);
-  FrameKernel kernel{footprint, choose_weights(footprint, options), {}};
+  FrameKernel kernel{footprint, RowWeights{}, {}};
+  if (options.method == KernelMethod::texture)
+    kernel.weights =
+        TabledWeights{std::make_shared<FootprintTable>(make_footprint_table(footprint, options.phases))};
+  else if (options.qee_bits > 0)
+    kernel.weights = FixedPointWeights{options.qee_bits};
+  else if (has_stencil(footprint))
+    kernel.weights = StencilWeights{};
   if (options.normalisation == Normalisation::exact) {
     const auto plane = in_plane(axis);
     kernel.lattice_sum = std::make_shared<LatticeSum>(

@@ -117,8 +117,7 @@ class Certifier : Tracer {
       sight.add({unknown(passage), 0, 0, 1, true});
       return;
     }
-    const Cell shown = scene_.nearest() ? Cell{passage.nearest, passage.nearest} : passage.cell;
-    const auto values = cell_values(scene_, curve_, shown);
+    const auto values = cell_values(scene_, curve_, passage.shown);
     if (!values) return;
     // How far the field is from the cell's own: each axis changes it by less than the values' range a voxel.
     const double extra = passage.beside > 0 ? 3 * passage.beside * width(values_) : 0;
@@ -142,7 +141,7 @@ class Certifier : Tracer {
       if (!may_run_along_faces(ray.step[k])) continue;
       for (const double s : {passage.enter, passage.leave}) {
         constexpr double towards_greater = 1e-9;  // as nearest_voxel() rounds
-        const double place = ray.at(s)[k] + 0.5 + towards_greater - passage.nearest[k];
+        const double place = ray.at(s)[k] + 0.5 + towards_greater - passage.shown.low[k];
         if (!(place > tube && place < 1 - tube)) return true;
       }
     }

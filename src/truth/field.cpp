@@ -15,13 +15,6 @@
 namespace ringsplat::truth {
 namespace {
 
-/// The part of a ray inside one cell.
-struct Crossing {
-  double enter, leave;
-  glm::ivec3 cell;     ///< its low corner; −1 in the half voxel before the first centre
-  glm::ivec3 nearest;  ///< the voxel whose value it has where values are not interpolated
-};
-
 class FieldIntegrator : Tracer {
  public:
   FieldIntegrator(const Scene& scene, double tolerance)
@@ -48,26 +41,22 @@ class FieldIntegrator : Tracer {
   }
 
  private:
-  /// The cells along a ray, front to back, and where values are not interpolated the parts of them that are
-  /// nearest to one voxel.
+  /// The cells along a ray, front to back.
   std::vector<Crossing> crossings(const LatticeRay& ray) const {
     const std::vector<Cut> cuts = cuts_along(scene_, ray);
     std::vector<Crossing> crossings;
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
-      if (cuts[i].at < cuts[i + 1].at) {
-        const glm::dvec3 middle = ray.at(0.5 * (cuts[i].at + cuts[i + 1].at));
-        crossings.push_back({cuts[i].at, cuts[i + 1].at, glm::ivec3(glm::floor(middle)),
-                             nearest_voxel(middle, scene_.grid.dims)});
-      }
+      if (cuts[i].at < cuts[i + 1].at)
+        crossings.push_back(crossing_between(scene_, ray, cuts[i].at, cuts[i + 1].at));
     return crossings;
   }
 
   /// The values along a crossing, where all voxels are numbers.
   std::optional<Cubic> cubic_in(const LatticeRay& ray, const Crossing& crossing) const {
-    const auto values = cell_values(scene_, curve_, cell_of(crossing));
+    const auto values = cell_values(scene_, curve_, crossing.cell);
     if (!values) return std::nullopt;
     return cubic_along(crossing.enter, crossing.leave,
-                       [&](double s) { return values->at(ray.at(s) - glm::dvec3(crossing.cell)); });
+                       [&](double s) { return values->at(ray.at(s) - glm::dvec3(crossing.corner)); });
   }
 
   Rgba classified(double value) const {
@@ -161,7 +150,7 @@ class FieldIntegrator : Tracer {
         if (scene_.shaded())
           colour = phong_.shade(
               colour,
-              trilinear(cell_normals(gradients_, cell_of(crossing)), ray.at(s) - glm::dvec3(crossing.cell)),
+              trilinear(cell_normals(gradients_, crossing.cell), ray.at(s) - glm::dvec3(crossing.corner)),
               ray.to_viewer);
         return Rgba(colour, 1.0);
       }
@@ -169,21 +158,13 @@ class FieldIntegrator : Tracer {
     return Rgba(0.0);
   }
 
-  Cell cell_of(const Crossing& crossing) const {
-    const glm::ivec3 last = scene_.grid.dims - 1;
-    return {glm::clamp(crossing.cell, glm::ivec3(0), last),
-            glm::clamp(crossing.cell + 1, glm::ivec3(0), last)};
-  }
-
   void integrate_crossing(const LatticeRay& ray, const Crossing& crossing, Piece& seen) const {
-    const Cell cell = cell_of(crossing);
-    const Cell shown = scene_.nearest() ? Cell{crossing.nearest, crossing.nearest} : cell;
-    const auto values = cell_values(scene_, curve_, shown);
+    const auto values = cell_values(scene_, curve_, crossing.shown);
     if (!values || !curve_.visible(values->low, values->high)) return;
     Corners<glm::dvec3> normals{};
-    if (scene_.needs_gradients()) normals = cell_normals(gradients_, cell);
+    if (scene_.needs_gradients()) normals = cell_normals(gradients_, crossing.cell);
 
-    const auto place = [&](double s) { return ray.at(s) - glm::dvec3(crossing.cell); };
+    const auto place = [&](double s) { return ray.at(s) - glm::dvec3(crossing.corner); };
     const auto value_at = [&](double s) { return values->at(place(s)); };
     const auto medium_at = [&](double s) {
       const auto sample = curve_.at(value_at(s));
@@ -241,9 +222,7 @@ std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, 
   const Shown& shown = scene.frame.shown;
   if (shown.edges) throw InputError("a formula's truth knows no --tf2d", "leave it out");
   if (shown.clip) check(*shown.clip, scene.grid);
-  const Rays rays(scene);
-  const TransferCurve curve(shown.transfer_function);
-  const Phong phong(scene, rays.view());
+  const Tracer tracer(scene);
   const glm::dvec3 dims(scene.grid.dims);
   const glm::dmat3 to_world = against_gradient(scene.grid.direction, scene.grid.spacing * dims);
   const auto normal = [&](const glm::dvec3& p) {
@@ -253,15 +232,15 @@ std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, 
                                  field(p.x, p.y, p.z + h) - field(p.x, p.y, p.z - h));
   };
   return along_rays(scene, pixels, [&](Pixel pixel) {
-    const LatticeRay ray = rays.through(pixel);
+    const LatticeRay ray = tracer.rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return Rgba(0.0);
     const glm::dvec3 origin = (ray.origin + 0.5) / dims, step = ray.step / dims;
     const auto medium_at = [&](double s) {
       const glm::dvec3 p = origin + s * step;
-      const auto sample = curve.at(scale * field(p.x, p.y, p.z));
+      const auto sample = tracer.curve_.at(scale * field(p.x, p.y, p.z));
       Medium medium{extinction(sample.opacity), sample.colour};
       if (scene.shaded() && sample.opacity > 0)
-        medium.colour = phong.shade(medium.colour, normal(p), ray.to_viewer);
+        medium.colour = tracer.phong_.shade(medium.colour, normal(p), ray.to_viewer);
       return medium;
     };
     constexpr int pieces = 512;

@@ -39,20 +39,16 @@ std::vector<Uncertain> uncertain_cuts(const Scene& scene, const LatticeRay& ray)
 
 Passage passage_between(const Scene& scene, const LatticeRay& ray, const Uncertain& enter,
                         const Uncertain& leave) {
-  const glm::dvec3 middle = ray.at(0.5 * (enter.at + leave.at));
-  const glm::ivec3 low = glm::ivec3(glm::floor(middle)), last = scene.grid.dims - 1;
-  Passage p;
-  p.enter = enter.at;
-  p.leave = leave.at;
-  p.nearest = nearest_voxel(middle, scene.grid.dims);
-  p.length = leave.exact() - enter.exact();
-  p.length = {std::max(0.0, p.length.lower()), p.length.upper()};
-  p.cell = {glm::clamp(low, glm::ivec3(0), last), glm::clamp(low + 1, glm::ivec3(0), last)};
+  const Interval length = leave.exact() - enter.exact();
+  Passage p{crossing_between(scene, ray, enter.at, leave.at),
+            {std::max(0.0, length.lower()), length.upper()},
+            {},
+            {}};
   for (int k = 0; k < 3; ++k) {
     const auto axis = std::size_t(k);
     const auto place = [&](const Uncertain& cut) {
       const Interval exact =
-          Interval(ray.origin[k]) + cut.exact() * ray.step[k] + within(tube) - double(low[k]);
+          Interval(ray.origin[k]) + cut.exact() * ray.step[k] + within(tube) - double(p.corner[k]);
       if (may_run_along_faces(ray.step[k]))
         p.beside = std::max({p.beside, -exact.lower(), exact.upper() - 1});
       return clamped(exact, 0, 1);

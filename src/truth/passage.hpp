@@ -26,12 +26,9 @@ struct Uncertain {
 /// Where a ray crosses planes between voxels, and enters and leaves the volume (docs/certified.md, 2).
 std::vector<Uncertain> uncertain_cuts(const Scene& scene, const LatticeRay& ray);
 
-/// The part of a ray in one cell.
-struct Passage {
-  double enter, leave;
-  Interval length;  ///< of the exact ray's passage, from 0
-  Cell cell;
-  glm::ivec3 nearest;
+/// A crossing, with what is known of the exact ray's.
+struct Passage : Crossing {
+  Interval length;                       ///< of the exact ray's passage, from 0
   std::array<Interval, 3> from, change;  ///< place in the cell, 0 to 1 along each axis, and along the passage
   double beside = 0;                     ///< how far the exact ray may be outside of it
 };

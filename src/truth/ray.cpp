@@ -132,4 +132,12 @@ std::vector<Cut> cuts_along(const Scene& scene, const LatticeRay& ray) {
   return cuts;
 }
 
+Crossing crossing_between(const Scene& scene, const LatticeRay& ray, double enter, double leave) {
+  const glm::dvec3 middle = ray.at(0.5 * (enter + leave));
+  const glm::ivec3 corner(glm::floor(middle)), last = scene.grid.dims - 1,
+                                               nearest = nearest_voxel(middle, scene.grid.dims);
+  const Cell cell{glm::clamp(corner, glm::ivec3(0), last), glm::clamp(corner + 1, glm::ivec3(0), last)};
+  return {enter, leave, corner, cell, scene.nearest() ? Cell{nearest, nearest} : cell};
+}
+
 }  // namespace ringsplat::truth

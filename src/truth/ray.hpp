@@ -142,6 +142,15 @@ inline glm::ivec3 nearest_voxel(const glm::dvec3& place, const glm::ivec3& dims)
   return glm::clamp(glm::ivec3(glm::floor(place + (0.5 + rounding))), glm::ivec3(0), dims - 1);
 }
 
+/// The part of a ray between two neighbouring cuts, which is inside one cell.
+struct Crossing {
+  double enter, leave;
+  glm::ivec3 corner;  ///< the low one; −1 in the half voxel before the first centre
+  Cell cell;
+  Cell shown;  ///< the same, or the voxel whose value it has where values are not interpolated
+};
+Crossing crossing_between(const Scene& scene, const LatticeRay& ray, double enter, double leave);
+
 struct CellValues {
   Corners<double> corners;
   double low, high;

@@ -23,11 +23,6 @@ struct Kernel {
   double weight = 1;
   glm::dmat2 to_lattice{1.0};     ///< pixels to steps along (u, v)
   glm::dvec2 lattice_reach{1.0};  ///< steps along u and v within which Q may be above zero
-  double q_squared(const glm::dvec2& offset) const {
-    const glm::dvec2 r = root * offset;
-    const double q = 1 - glm::dot(r, r);
-    return q > 0 ? q * q : 0;
-  }
 };
 
 Kernel make_kernel(const glm::dvec2& step_u, const glm::dvec2& step_v, double radius) {
@@ -135,7 +130,9 @@ class Method : Tracer {
     const glm::dvec2 low = glm::ceil(middle - kernel_.lattice_reach - slack),
                      high = glm::floor(middle + kernel_.lattice_reach + slack);
     const auto weight_of = [&](double u, double v) {
-      return kernel_.q_squared(centre - glm::dvec2(view_.project(lattice_point(u, v, slice))));
+      const glm::dvec2 r = kernel_.root * (centre - glm::dvec2(view_.project(lattice_point(u, v, slice))));
+      const double q = 1 - glm::dot(r, r);
+      return q > 0 ? q * q : 0;
     };
     const int width = scene_.grid.dims[u_];
     const double last_u = std::min(high.x, width - 1.0),
