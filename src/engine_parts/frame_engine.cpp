@@ -56,17 +56,6 @@ class PictureCanvas final : public Canvas {
   std::vector<bool> here_;
 };
 
-/// As many of the shown points as are needed to compare the parts of so many Renderers, and how many each
-/// stands for. All ranks look at them before each frame, also those that share a core.
-std::pair<std::vector<std::uint32_t>, int> enough(std::span<const std::uint32_t> shown, int renderers) {
-  constexpr std::size_t for_each = 2000;
-  // Odd, so that it goes across rows of an even number of points.
-  const std::size_t step = shown.size() / (for_each * std::size_t(renderers)) | 1;
-  std::vector<std::uint32_t> some;
-  for (std::size_t k = 0; k < shown.size(); k += step) some.push_back(shown[k]);
-  return {std::move(some), int(step)};
-}
-
 }  // namespace
 
 FramePlan plan_of(const FrameGeometry& g, SliceDealing dealing, int renderers) {
@@ -98,9 +87,15 @@ void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
   if (!setup_.colocated && !g.in_parts && g.reached.width() * g.reached.height() >= enough_each * dealt_to)
     return;
   const WorkCosts costs = costs_in(g, sheets ? setup_.sheet_costs : setup_.splat_costs);
-  const auto [points, stands_for] =
-      enough(shown_.of(*setup_.sketch, spec.shown.transfer_function, shown_blocks(g, costs)), dealt_to);
-  const WorkEstimate work(g, *setup_.sketch, points, costs, spec.shown.reduction.factor, -1, stands_for);
+  const auto shown = shown_.of(*setup_.sketch, spec.shown.transfer_function, shown_blocks(g, costs));
+  // As many points as are needed to compare the parts of so many Renderers. All ranks look at them before
+  // each frame, also those that share a core.
+  constexpr std::size_t for_each = 2000;
+  // Odd, so that it goes across rows of an even number of points.
+  const std::size_t step = shown.size() / (for_each * std::size_t(dealt_to)) | 1;
+  std::vector<std::uint32_t> points;
+  for (std::size_t k = 0; k < shown.size(); k += step) points.push_back(shown[k]);
+  const WorkEstimate work(g, *setup_.sketch, points, costs, spec.shown.reduction.factor, -1, int(step));
   std::vector<double> busy(std::size_t(dealt_to), 0.0);
   if (setup_.colocated) busy = busy_ranks(g, work, costs, setup_.dealing(), setup_.renderers, dealt_to);
   deal_by_work(g, work, costs, spec, setup_.renderers, busy);

@@ -151,7 +151,14 @@ WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
     shown_in[std::size_t(point[axis])] += stands_for;
     deposit(place, work, point[axis]);
   }
-  sum_up();
+  for (int y = 0; y < rows_; ++y) {
+    double row = 0;
+    for (int x = 0; x < columns_; ++x) {
+      double& here = work_[std::size_t(y) * std::size_t(columns_) + std::size_t(x)];
+      row += here;
+      here = row + (y > 0 ? work_[std::size_t(y - 1) * std::size_t(columns_) + std::size_t(x)] : 0);
+    }
+  }
 
   const auto [u, v] = in_plane(g.traversal.axis);
   const double slice = double(g.grid.slice_voxels(g.traversal.axis)), of_point = spacing[u] * spacing[v];
@@ -195,17 +202,6 @@ void WorkEstimate::deposit(const glm::dvec2& place, double work, int layer) {
   add(x + 1, y, u * (1 - v));
   add(x, y + 1, (1 - u) * v);
   add(x + 1, y + 1, u * v);
-}
-
-void WorkEstimate::sum_up() {
-  for (int y = 0; y < rows_; ++y) {
-    double row = 0;
-    for (int x = 0; x < columns_; ++x) {
-      double& here = work_[std::size_t(y) * std::size_t(columns_) + std::size_t(x)];
-      row += here;
-      here = row + (y > 0 ? work_[std::size_t(y - 1) * std::size_t(columns_) + std::size_t(x)] : 0);
-    }
-  }
 }
 
 double WorkEstimate::within(double x0, double y0, double x1, double y1) const {

@@ -99,7 +99,6 @@ class WorkEstimate {
  private:
   void make_cells(const FrameGeometry& g, const glm::dvec3& spacing);
   void deposit(const glm::dvec2& place, double work, int layer);
-  void sum_up();
   double within(double x0, double y0, double x1, double y1) const;
 
   Traversal traversal_;

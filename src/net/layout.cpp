@@ -36,32 +36,6 @@ Layout mesh_layout(int columns, int rows, int renderers, Routing routing) {
           .routing = routing};
 }
 
-namespace {
-
-void check_mesh(const Layout& mesh) {
-  const int columns = mesh.mesh_columns, rows = mesh.mesh_rows;
-  constexpr int most = 4096;  // keeps columns × rows far inside an int
-  if (columns < 1 || rows < 1 || columns > most || rows > most)
-    throw InputError(fmt::format("--topology mesh needs a shape of 1 to {} columns and rows", most),
-                     "for instance --mesh 4x4");
-  if (mesh.gps != columns * rows)
-    throw InputError(
-        fmt::format("--mesh {}x{} has {} GPs, but --gps is {}", columns, rows, columns * rows, mesh.gps),
-        "leave --gps out: the mesh says how many there are");
-  if (mesh.renderers > 2 * rows)
-    throw InputError(
-        fmt::format("--renderers is {}, but a mesh of {} row(s) has only {} row ends for Renderers",
-                    mesh.renderers, rows, 2 * rows),
-        fmt::format("use --renderers {} or fewer, or a mesh with more rows", 2 * rows));
-  if (mesh.idle > 0)
-    throw InputError(fmt::format("a mesh has no idle ranks, but {} are asked for", mesh.idle));
-  if (mesh.placement != Placement::dedicated)
-    throw InputError("a mesh has its Renderers at the ends of its rows, on ranks of their own",
-                     "leave out --roles colocated, or use --topology ring");
-}
-
-}  // namespace
-
 void check(const Layout& layout) {
   if (layout.gps < 1)
     throw InputError(fmt::format("--gps is {}, but a frame needs at least one GP", layout.gps),
@@ -74,7 +48,26 @@ void check(const Layout& layout) {
     throw InputError(fmt::format("--bundle is {}", layout.bundle),
                      fmt::format("a bundle has 1 to {} slices", most_slices_of_bundle));
   if (layout.idle < 0) throw InputError(fmt::format("{} ranks cannot be idle", layout.idle));
-  if (layout.topology == Topology::mesh) check_mesh(layout);
+  if (layout.topology != Topology::mesh) return;
+  const int columns = layout.mesh_columns, rows = layout.mesh_rows;
+  constexpr int most = 4096;  // keeps columns × rows far inside an int
+  if (columns < 1 || rows < 1 || columns > most || rows > most)
+    throw InputError(fmt::format("--topology mesh needs a shape of 1 to {} columns and rows", most),
+                     "for instance --mesh 4x4");
+  if (layout.gps != columns * rows)
+    throw InputError(
+        fmt::format("--mesh {}x{} has {} GPs, but --gps is {}", columns, rows, columns * rows, layout.gps),
+        "leave --gps out: the mesh says how many there are");
+  if (layout.renderers > 2 * rows)
+    throw InputError(
+        fmt::format("--renderers is {}, but a mesh of {} row(s) has only {} row ends for Renderers",
+                    layout.renderers, rows, 2 * rows),
+        fmt::format("use --renderers {} or fewer, or a mesh with more rows", 2 * rows));
+  if (layout.idle > 0)
+    throw InputError(fmt::format("a mesh has no idle ranks, but {} are asked for", layout.idle));
+  if (layout.placement != Placement::dedicated)
+    throw InputError("a mesh has its Renderers at the ends of its rows, on ranks of their own",
+                     "leave out --roles colocated, or use --topology ring");
 }
 
 void check(const Header& header, const Layout& layout) {

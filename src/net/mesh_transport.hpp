@@ -161,14 +161,10 @@ class MeshRouter {
                                leaves ? "cannot hand on" : "got", describe(h)));
   }
 
-  OutLink& out_link(Direction direction) {
-    return *std::ranges::find_if(out_, [&](const OutLink& out) { return out.link.direction == direction; });
-  }
-
   void forward(Message message, std::optional<Hop> came_by) {
     const Header& h = message.header;
     const Hop hop = hop_here(h, true);
-    OutLink& out = out_link(hop.link.direction);
+    OutLink& out = *std::ranges::find(out_, hop.link, &OutLink::link);
     const auto buffer_class = static_cast<std::size_t>(hop.buffer_class);
     LinkCounts& counts = out.counts[h.frame];
     ++counts.messages;

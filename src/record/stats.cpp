@@ -62,18 +62,6 @@ json to_json(const LinkCounts& link) {
           {"wait_seconds", link.wait_seconds}};
 }
 
-json links_json(const FrameStats& stats, const Layout& layout) {
-  json all = json::array();
-  for (const LinkCounts& link : stats.links) {
-    json j = to_json(link);
-    j["link"] = name(layout, link.link);
-    j["from"] = link.link.from;
-    j["to"] = neighbour(layout, link.link.from, link.link.direction).value();
-    all.push_back(std::move(j));
-  }
-  return all;
-}
-
 }  // namespace
 
 NodeStats& NodeStats::operator+=(const NodeStats& other) {
@@ -125,7 +113,13 @@ std::string to_json_text(const FrameStats& stats, const Layout& layout, const st
   j["traversal"] = {{"axis", std::string(1, axis)}, {"ascending", stats.ascending}, {"slices", stats.slices}};
   j["total"] = to_json(stats.total());
   if (layout.routed()) {
-    j["links"] = links_json(stats, layout);
+    j["links"] = json::array();
+    for (const LinkCounts& link : stats.links) {
+      json& one = j["links"].emplace_back(to_json(link));
+      one["link"] = name(layout, link.link);
+      one["from"] = link.link.from;
+      one["to"] = neighbour(layout, link.link.from, link.link.direction).value();
+    }
     j["links_total"] = to_json(total(stats.links));
   }
   j["nodes"] = json::array();

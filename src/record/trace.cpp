@@ -44,16 +44,6 @@ bool is_sound(const NodeRecord& record) {
          std::all_of(record.marks.begin(), record.marks.end(), is_mark);
 }
 
-bool take_records(const Block& block, Trace::Gathered& all) {
-  FromBytes archive(block);
-  archive(all.offsets.emplace_back());
-  while (archive.ok() && !archive.at_end()) {
-    archive(all.nodes.emplace_back());
-    if (archive.ok() && !is_sound(all.nodes.back())) return false;
-  }
-  return archive.ok();
-}
-
 }  // namespace
 
 void NodeTrace::add(Activity activity, std::int64_t frame, std::int32_t step, double begin, double end) {
@@ -137,10 +127,18 @@ Trace::Gathered Trace::gather(Collectives& collectives) const {
   const std::vector<Block> in = to_process_0(collectives, std::move(mine.bytes));
   Gathered all;
   if (collectives.process() != 0) return all;
-  for (std::size_t p = 0; p < in.size(); ++p)
-    if (!take_records(in[p], all))
+  for (std::size_t p = 0; p < in.size(); ++p) {
+    FromBytes archive(in[p]);
+    archive(all.offsets.emplace_back());
+    bool sound = archive.ok();
+    while (sound && !archive.at_end()) {
+      archive(all.nodes.emplace_back());
+      sound = archive.ok() && is_sound(all.nodes.back());
+    }
+    if (!sound)
       throw RunError(fmt::format("rank {} sent a broken record of what it did", p),
                      "all ranks must run the same build");
+  }
   return all;
 }
 

@@ -47,27 +47,6 @@ std::vector<std::uint64_t> tile_bits(const FramePlan& plan) {
   return bits;
 }
 
-/// What the measured payloads of a step's slices say together.
-struct Measured {
-  std::size_t bytes = 0;
-  int slices = 0;
-  PaintWork work;
-};
-
-Measured read_measured(std::span<const std::byte> body, bool joined) {
-  Measured all;
-  for (std::size_t at = 0; at < body.size();) {
-    BundlePart part;
-    MeasuredPayload slice;
-    if ((joined && !take_part(body, at, part)) || !take(body, at, slice)) break;
-    all.bytes = joined ? joined_with(all.bytes, slice.bytes) : slice.bytes;
-    ++all.slices;
-    all.work.blocks += slice.work.blocks;
-    all.work.samples += slice.work.samples;
-  }
-  return all;
-}
-
 /// How many times as many voxels and items there are as an encoder says. Sheets' blocks are weighed where
 /// they are encoded: so many more are so much smaller.
 struct Weights {
@@ -99,14 +78,21 @@ class CountingEncoder final : public EncoderDecorator {
   }
 
   void count(EncodedPart& part) const {
-    const Measured measured =
-        read_measured(std::span<const std::byte>(part.payload).subspan(sizeof(Header)), joined_);
     Said said;
     said.items = times(weights_.items, part.items) & ((std::uint64_t{1} << 40) - 1);
-    said.slices = std::uint64_t(measured.slices) & ((1U << 24) - 1);
-    said.work = measured.work;
+    // What the measured payloads of the step's slices say together.
+    const auto body = std::span<const std::byte>(part.payload).subspan(sizeof(Header));
+    std::size_t bytes = 0;
+    for (std::size_t at = 0; at < body.size(); ++said.slices) {
+      BundlePart head;
+      MeasuredPayload slice;
+      if ((joined_ && !take_part(body, at, head)) || !take(body, at, slice)) break;
+      bytes = joined_ ? joined_with(bytes, slice.bytes) : slice.bytes;
+      said.work.blocks += slice.work.blocks;
+      said.work.samples += slice.work.samples;
+    }
     for (const int tile : part.tiles) said.tiles |= bits_[std::size_t(tile)];
-    const auto size = std::max(sizeof said, std::size_t(times(weights_.items, measured.bytes)));
+    const auto size = std::max(sizeof said, std::size_t(times(weights_.items, bytes)));
     part.payload = Message::body_buffer();
     part.payload.reserve(part.payload.size() + size);
     append(part.payload, said);

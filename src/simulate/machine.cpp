@@ -90,19 +90,6 @@ std::vector<CLI::ConfigItem> items_of(const std::string& toml, const std::string
   }
 }
 
-/// What is wrong with a number of the file; empty when it is right, and then set.
-std::string set_number(const Field& field, const std::string& text) {
-  double value = 0;
-  if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value))
-    return fmt::format("is '{}', not a number", text);
-  if (field.whole && value != std::floor(value)) return fmt::format("is {}, not a whole number", text);
-  if (!(value >= field.least && value <= field.most))
-    return field.most < no_limit ? fmt::format("is {}, not from {} to {}", text, field.least, field.most)
-                                 : fmt::format("is {}, below {}", text, field.least);
-  field.set(value);
-  return {};
-}
-
 }  // namespace
 
 const char* name(PlatformKind kind) { return names[std::size_t(kind)]; }
@@ -130,8 +117,16 @@ Machine parse_machine(const std::string& toml, const std::string& where) {
     } else {
       const auto field = std::ranges::find_if(fields, [&](const Field& f) { return key == f.key; });
       require(key, field != fields.end(), "is no field of a machine");
-      const std::string problem = set_number(*field, text);
-      require(key, problem.empty(), problem);
+      double value = 0;
+      require(key, CLI::detail::lexical_cast(text, value) && std::isfinite(value),
+              fmt::format("is '{}', not a number", text));
+      require(key, !field->whole || value == std::floor(value),
+              fmt::format("is {}, not a whole number", text));
+      require(key, value >= field->least && value <= field->most,
+              field->most < no_limit
+                  ? fmt::format("is {}, not from {} to {}", text, field->least, field->most)
+                  : fmt::format("is {}, below {}", text, field->least));
+      field->set(value);
     }
   }
   for (const Field& field : fields) {

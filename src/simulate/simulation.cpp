@@ -215,26 +215,23 @@ SlicesOf slices_of(const SimulationOptions& simulation, int bundle) {
   return [](std::span<const std::byte>) { return 1; };
 }
 
-std::unique_ptr<Engine> make_simulated_engine(const SimulationOptions& simulation, EngineSetup setup) {
-  const auto& machine = simulation.machine;
-  // A described machine's costs are those of looking at every voxel.
-  setup.skip_empty = false;
-  if (machine) {
-    setup.splat_costs = splat_costs(*machine, simulation.voxel_weight, setup.bundle);
-    setup.sheet_costs = sheet_costs(*machine, simulation.voxel_weight, setup.bundle);
-  }
-  auto engine =
-      simulation.count_only ? make_counting_engine(setup, simulation.voxel_weight) : make_rank_engine(setup);
-  if (!machine) return engine;
-  return std::make_unique<ChargedEngine>(std::move(engine), *machine, slices_of(simulation, setup.bundle));
-}
-
 }  // namespace
 
 void simulate(const SimulationOptions& simulation, EngineOptions& options) {
   if (simulation.machine || simulation.count_only)
-    options.engine = [simulation](EngineSetup setup) {
-      return make_simulated_engine(simulation, std::move(setup));
+    options.engine = [simulation](EngineSetup setup) -> std::unique_ptr<Engine> {
+      const auto& machine = simulation.machine;
+      // A described machine's costs are those of looking at every voxel.
+      setup.skip_empty = false;
+      if (machine) {
+        setup.splat_costs = splat_costs(*machine, simulation.voxel_weight, setup.bundle);
+        setup.sheet_costs = sheet_costs(*machine, simulation.voxel_weight, setup.bundle);
+      }
+      auto engine = simulation.count_only ? make_counting_engine(setup, simulation.voxel_weight)
+                                          : make_rank_engine(setup);
+      if (!machine) return engine;
+      return std::make_unique<ChargedEngine>(std::move(engine), *machine,
+                                             slices_of(simulation, setup.bundle));
     };
   if (simulation.machine)
     options.network = [machine = *simulation.machine, simulation](Transport& network) {

@@ -70,7 +70,14 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
   }
 
   bool work() override {
-    threads_.run(int(bands_in_use_), [this](int band) { encode_some(std::size_t(band)); });
+    // A piece of a band is limited by its cost: visible voxels, or many transparent ones. Messages wait for
+    // the end of a piece, and so do the other threads.
+    const int pieces_at_once = bands_in_use_ > 1 ? 4 : 1;
+    threads_.run(int(bands_in_use_), [this, pieces_at_once](int band) {
+      char& complete = complete_[std::size_t(band)];
+      if (!complete)
+        complete = bands_[std::size_t(band)]->work(1024 * pieces_at_once, 16384 * pieces_at_once);
+    });
     return std::all_of(complete_.begin(), complete_.end(), [](char complete) { return complete; });
   }
 
@@ -106,13 +113,6 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
   }
 
  private:
-  /// Encodes a piece of a band, limited by its cost: visible voxels, or many transparent ones. Messages wait
-  /// for the end of a piece, and so do the other threads.
-  void encode_some(std::size_t band) {
-    const int pieces_at_once = bands_in_use_ > 1 ? 4 : 1;
-    if (!complete_[band]) complete_[band] = bands_[band]->work(1024 * pieces_at_once, 16384 * pieces_at_once);
-  }
-
   std::span<const std::unique_ptr<RowBand>> bands() const { return std::span(bands_).first(bands_in_use_); }
 
   /// Ascending, the order in payloads.

@@ -129,12 +129,6 @@ class FieldIntegrator : Tracer {
     return most;
   }
 
-  /// Of a lattice point, behind the plane through the volume's middle.
-  double depth_of(const glm::dvec3& point) const {
-    const ViewTransform& view = rays_.view();
-    return view.project(point).z / view.pixels_per_unit;
-  }
-
   /// Where the field is first on the other side of the surface's value than before; opaque.
   Rgba first_surface(const LatticeRay& ray) const {
     for (const Crossing& crossing : crossings(ray)) {
@@ -145,7 +139,10 @@ class FieldIntegrator : Tracer {
         const double a = monotone[i], b = monotone[i + 1], value = scene_.frame.shown.isovalue;
         if ((cubic->at(a) >= value) == (cubic->at(b) >= value)) continue;
         const double s = std::lerp(crossing.enter, crossing.leave, crossing_of(*cubic, value, a, b));
-        if (scene_.frame.shown.values) return Rgba(glm::dvec3(depth_of(ray.at(s))), 1);
+        const ViewTransform& view = rays_.view();
+        // How far it is behind the plane through the volume's middle.
+        if (scene_.frame.shown.values)
+          return Rgba(glm::dvec3(view.project(ray.at(s)).z / view.pixels_per_unit), 1);
         glm::dvec3 colour = curve_.at(value).colour;
         if (scene_.shaded())
           colour = phong_.shade(

@@ -16,17 +16,6 @@ struct Difference {
   double square = 0, mean = 0, largest = 0;
 };
 
-Difference difference(const float* pixel, const Rgba& truth) {
-  Difference d;
-  for (int c = 0; c < 4; ++c) {
-    const double apart = levels_apart(double(pixel[c]), truth[c]);
-    d.square += apart * apart / 4;
-    d.mean += apart / 4;
-    d.largest = std::max(d.largest, std::abs(apart));
-  }
-  return d;
-}
-
 bool is_finite(const float* pixel) {
   return std::all_of(pixel, pixel + 4, [](float v) { return std::isfinite(v); });
 }
@@ -115,7 +104,13 @@ SampledError sampled_error(const Image& image, const PixelSample& sample, std::s
   if (by_pixel != nullptr) by_pixel->assign(image.rgba.size() / 4, std::numeric_limits<float>::quiet_NaN());
   double known = 0, signed_sum = 0;
   const auto see = [&](Pixel at, const Rgba& colour) {
-    const Difference d = difference(image.pixel(at.x, at.y), colour);
+    Difference d;
+    for (int c = 0; c < 4; ++c) {
+      const double apart = levels_apart(double(image.pixel(at.x, at.y)[c]), colour[c]);
+      d.square += apart * apart / 4;
+      d.mean += apart / 4;
+      d.largest = std::max(d.largest, std::abs(apart));
+    }
     if (d.largest > error.largest) error.worst = at;
     error.largest = std::max(error.largest, d.largest);
     if (by_pixel != nullptr) (*by_pixel)[std::size_t(at.y * image.width + at.x)] = float(d.largest);

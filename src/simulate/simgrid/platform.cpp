@@ -69,13 +69,12 @@ Job read_job() {
   return job;
 }
 
-double or_no_limit(double bandwidth) { return bandwidth > 0 ? bandwidth : no_limit; }
-
 /// The link between ranks that share a host.
 template <class Zone>
 s4u::Link* add_local_link(Zone& zone, const std::string& name, const Job& job) {
   const auto& platform = job.machine.platform;
-  auto* const link = zone.create_link(name, {or_no_limit(platform.local_bandwidth)});
+  auto* const link =
+      zone.create_link(name, {platform.local_bandwidth > 0 ? platform.local_bandwidth : no_limit});
   link->set_latency(platform.local_latency);
   link->set_sharing_policy(s4u::Link::SharingPolicy::FATPIPE);
   return link;
