@@ -22,6 +22,16 @@ namespace {
 
 constexpr int block_floats = 4 * block_pixels;
 
+/// A region's composited pixels.
+struct ImageRows {
+  float* first = nullptr;           ///< RGBA of pixel (0, 0), 64-byte aligned as all rows' are
+  std::ptrdiff_t row_floats = 0;    ///< from a row to the next
+  float opaque_threshold = 0;       ///< transmittances below it count as 0
+  std::uint64_t* opaque = nullptr;  ///< rows of bits: set where a whole pixel block is opaque
+  /// Factors of a pixel block's sums in row y: factors[y % largest_step]. Null means 1.
+  const float (*factors)[16] = nullptr;
+};
+
 /// The rows of anchors, a step apart, whose kernels reach a row of pixels.
 struct AnchorRows {
   int first, end, step;  ///< anchors' y, from the region's corner
@@ -42,6 +52,23 @@ std::uint64_t whole_blocks(std::uint64_t bits) {
 
 std::uint64_t* filled_row(const VoxelRows& voxels, int y) {
   return voxels.filled + y * std::ptrdiff_t(voxels.row_words);
+}
+
+/// Clears the pixels and bits of the voxels in rows of anchors first … end − 1.
+void take_out(const VoxelRows& voxels, int first, int end) {
+  for (int y = first; y < end; ++y) {
+    std::uint64_t* filled = filled_row(voxels, y);
+    for (std::size_t word = 0; word < voxels.row_words; ++word) {
+      for_each_bit_run(whole_blocks(std::exchange(filled[word], 0)), [&](int first_pixel, int count) {
+        float* pixels = voxels.buffer.origin + y * voxels.buffer.row_floats +
+                        std::ptrdiff_t{4} * (int(word) * 64 + first_pixel - voxels.left);
+        // Block by block: for a length that is not known here, compilers call memset or use a string
+        // instruction that is slow to start.
+        for (int block = 0; block < count / block_pixels; ++block, pixels += block_floats)
+          std::memset(pixels, 0, sizeof(float) * block_floats);
+      });
+    }
+  }
 }
 
 /// Finds the pixel blocks that the kernels of these rows can cover and that are not opaque yet. Each voxel
@@ -176,6 +203,11 @@ HWY_INLINE void sweep(const VoxelRows& voxels, const AlignedSlice& slice, std::u
   take_out(voxels, taken_out, voxels.bottom);
 }
 
+/// Sums in each pixel the kernels of the voxels round it, so that a pixel is written once instead of once for
+/// each voxel; composites the sums behind the image, except behind opaque pixel blocks; and takes the voxels
+/// out. `covered` is scratch for a row of bits. Returns how many pixels it went through.
+///
+/// The image has the bits that draw_splats, given the voxels row by row, and composite_row would make.
 std::uint64_t CompositeVoxels(const VoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
                               std::uint64_t* covered) {
   std::uint64_t composited = 0;
@@ -202,25 +234,25 @@ namespace ringsplat {
 
 HWY_EXPORT(CompositeVoxels);
 
-std::uint64_t composite_voxels(const VoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
-                               std::uint64_t* covered) {
-  return HWY_DYNAMIC_DISPATCH(CompositeVoxels)(voxels, slice, image, covered);
-}
-
-void take_out(const VoxelRows& voxels, int first, int end) {
-  for (int y = first; y < end; ++y) {
-    std::uint64_t* filled = filled_row(voxels, y);
-    for (std::size_t word = 0; word < voxels.row_words; ++word) {
-      for_each_bit_run(whole_blocks(std::exchange(filled[word], 0)), [&](int first_pixel, int count) {
-        float* pixels = voxels.buffer.origin + y * voxels.buffer.row_floats +
-                        std::ptrdiff_t{4} * (int(word) * 64 + first_pixel - voxels.left);
-        // Block by block: for a length that is not known here, compilers call memset or use a string
-        // instruction that is slow to start.
-        for (int block = 0; block < count / block_pixels; ++block, pixels += block_floats)
-          std::memset(pixels, 0, sizeof(float) * block_floats);
-      });
-    }
+std::uint64_t VoxelSum::composite(glm::dvec2 voxel) {
+  if (rows_.top >= rows_.bottom) return 0;
+  std::uint64_t composited = 0;
+  if (reached_ || image_->touched()) {
+    float factors[largest_step][16];
+    const LatticeSum* lattice_sum = frame_.lattice_sum();
+    for (int y = 0; y < largest_step && lattice_sum != nullptr; ++y)
+      lattice_sum->fill_factors(image_->rect().x0, image_->rect().y0 + y, voxel, factors[y]);
+    const ImageRows image{image_->pixels(), image_->row_floats(), image_->opaque_threshold(),
+                          image_->opaque_bits(rows_.row_words), lattice_sum != nullptr ? factors : nullptr};
+    composited = HWY_DYNAMIC_DISPATCH(CompositeVoxels)(rows_, slice_, image, covered_.data());
+    image_->slices_composited();
+  } else {
+    take_out(rows_, rows_.top, rows_.bottom);
   }
+  rows_.top = VoxelRows().top;
+  rows_.bottom = VoxelRows().bottom;
+  reached_ = false;
+  return composited;
 }
 
 }  // namespace ringsplat

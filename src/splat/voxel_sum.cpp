@@ -144,27 +144,4 @@ void VoxelSum::begin_slice(int slice) {
   if (std::exchange(slice_index_, slice) != slice) slice_ = frame_.slice(slice);
 }
 
-std::uint64_t VoxelSum::composite(glm::dvec2 voxel) {
-  if (rows_.top >= rows_.bottom) return 0;
-  std::uint64_t composited = 0;
-  if (reached_ || image_->touched()) {
-    float factors[largest_step][16];
-    const LatticeSum* lattice_sum = frame_.lattice_sum();
-    for (int y = 0; y < largest_step && lattice_sum != nullptr; ++y)
-      lattice_sum->fill_factors(image_->rect().x0, image_->rect().y0 + y, voxel, factors[y]);
-    composited =
-        composite_voxels(rows_, slice_,
-                         {image_->pixels(), image_->row_floats(), image_->opaque_threshold(),
-                          image_->opaque_bits(rows_.row_words), lattice_sum != nullptr ? factors : nullptr},
-                         covered_.data());
-    image_->slices_composited();
-  } else {
-    take_out(rows_, rows_.top, rows_.bottom);
-  }
-  rows_.top = VoxelRows().top;
-  rows_.bottom = VoxelRows().bottom;
-  reached_ = false;
-  return composited;
-}
-
 }  // namespace ringsplat

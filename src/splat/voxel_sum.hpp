@@ -38,27 +38,6 @@ template <class Voxel>
 DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelRuns<Voxel>& blocks,
                          std::uint64_t most);
 
-/// A region's composited pixels.
-struct ImageRows {
-  float* first = nullptr;           ///< RGBA of pixel (0, 0), 64-byte aligned as all rows' are
-  std::ptrdiff_t row_floats = 0;    ///< from a row to the next
-  float opaque_threshold = 0;       ///< transmittances below it count as 0
-  std::uint64_t* opaque = nullptr;  ///< rows of bits: set where a whole pixel block is opaque
-  /// Factors of a pixel block's sums in row y: factors[y % largest_step]. Null means 1.
-  const float (*factors)[16] = nullptr;
-};
-
-/// Sums in each pixel the kernels of the voxels round it, so that a pixel is written once instead of once for
-/// each voxel; composites the sums behind the image, except behind opaque pixel blocks; and takes the voxels
-/// out. `covered` is scratch for a row of bits. Returns how many pixels it went through.
-///
-/// The image has the bits that draw_splats, given the voxels row by row, and composite_row would make.
-std::uint64_t composite_voxels(const VoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
-                               std::uint64_t* covered);
-
-/// Clears the pixels and bits of the voxels in rows of anchors first … end − 1.
-void take_out(const VoxelRows& voxels, int first, int end);
-
 /// Sums a slice's voxels as they lie in their rows, where these are a whole number of pixels apart: they are
 /// put into the slice buffer, and composite() convolves their rows with the kernels' weights. The same bits
 /// as SplatSum of their splats, drawn row by row.
