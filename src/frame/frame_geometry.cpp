@@ -123,39 +123,6 @@ void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
   g.reach *= magnification;
 }
 
-}  // namespace
-
-std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid) {
-  const double voxels = std::max(1e-3, 2e-6 * std::max({grid.dims.x, grid.dims.y, grid.dims.z})),
-               half = voxels * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
-  return {{plane.normal, plane.distance - half}, {-plane.normal, -plane.distance - half}};
-}
-
-bool needs_normals(const FrameSpec& spec) {
-  return spec.shown.shading == Shading::phong && std::holds_alternative<Splats>(spec.how);
-}
-bool needs_cell_ranges(const FrameSpec& spec) { return std::holds_alternative<Sheets>(spec.how); }
-
-Axis traversed_axis(const FrameSpec& spec, const Grid& grid) {
-  return screen_geometry(spec.shown, grid, slice_rule(spec.how)).traversal.axis;
-}
-
-FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
-  check_projection(spec.shown.camera, spec.how);
-  FrameGeometry g = screen_geometry(spec.shown, grid, slice_rule(spec.how));
-  std::visit([&](const auto& how) { fit(g, spec.shown, how); }, spec.how);
-  lay_regions(g, spec);
-  return g;
-}
-
-Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry) {
-  Footprint footprint = make_footprint(geometry.view, geometry.traversal.axis, splats.kernel_radius);
-  if (splats.kernel.normalisation == Normalisation::none) footprint.weight = 1;
-  return footprint;
-}
-
-namespace {
-
 int round_up(int value, int step) { return (value + step - 1) / step * step; }
 
 /// Pixels of the image plane that the kernels of the volume's voxels can reach.
@@ -221,6 +188,35 @@ Regions low_strips(const FrameGeometry& g, int renderers, const PixelWindow& rea
 }
 
 }  // namespace
+
+std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid) {
+  const double voxels = std::max(1e-3, 2e-6 * std::max({grid.dims.x, grid.dims.y, grid.dims.z})),
+               half = voxels * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  return {{plane.normal, plane.distance - half}, {-plane.normal, -plane.distance - half}};
+}
+
+bool needs_normals(const FrameSpec& spec) {
+  return spec.shown.shading == Shading::phong && std::holds_alternative<Splats>(spec.how);
+}
+bool needs_cell_ranges(const FrameSpec& spec) { return std::holds_alternative<Sheets>(spec.how); }
+
+Axis traversed_axis(const FrameSpec& spec, const Grid& grid) {
+  return screen_geometry(spec.shown, grid, slice_rule(spec.how)).traversal.axis;
+}
+
+FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
+  check_projection(spec.shown.camera, spec.how);
+  FrameGeometry g = screen_geometry(spec.shown, grid, slice_rule(spec.how));
+  std::visit([&](const auto& how) { fit(g, spec.shown, how); }, spec.how);
+  lay_regions(g, spec);
+  return g;
+}
+
+Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry) {
+  Footprint footprint = make_footprint(geometry.view, geometry.traversal.axis, splats.kernel_radius);
+  if (splats.kernel.normalisation == Normalisation::none) footprint.weight = 1;
+  return footprint;
+}
 
 PixelRect reached_regions(const FrameGeometry& g, const Regions& regions) {
   return touched(regions, reached_pixels(g));

@@ -45,7 +45,12 @@ class Renderer final : public Node {
     book({});
     if (frames_.empty()) return false;
     Frame& frame = frames_.front();
-    if (frame.painter == nullptr) begin_drawing(frame);
+    if (frame.painter == nullptr) {
+      frame.painter = my_.engine.painter(my_.index, frame.announcement);
+      // A Renderer without a tile has no token.
+      if (!my_.engine.plan(frame.announcement).drawing(my_.layout.renderers)[std::size_t(my_.index)])
+        frame.payloads_expected = 0;
+    }
     if (!frame.drawn()) return draw_some(frame) || prepare(frame);
     if (!frame.dropped && frame.painter->conclude())
       book({Activity::draw, frame.announcement.frame, -1});
@@ -117,13 +122,6 @@ class Renderer final : public Node {
         make_header(id(), payload.from(), payload.frame,
                     AcceptFields{.place = place, .free_slots = slots_end(frame) - 1 - place.sequence}),
         std::move(news)));
-  }
-
-  void begin_drawing(Frame& frame) {
-    frame.painter = my_.engine.painter(my_.index, frame.announcement);
-    // A Renderer without a tile has no token.
-    if (!my_.engine.plan(frame.announcement).drawing(my_.layout.renderers)[std::size_t(my_.index)])
-      frame.payloads_expected = 0;
   }
 
   bool prepare(Frame& frame) {

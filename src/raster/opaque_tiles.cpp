@@ -14,10 +14,10 @@ std::size_t bitmap_bytes(const OpaqueTiles& tiles) { return (tiles.flags().size(
 
 void append_opaque_news(int region, const OpaqueTiles& tiles, Bytes& news) {
   append(news, std::int32_t{region});
-  std::vector<std::uint8_t> bitmap(bitmap_bytes(tiles), 0);
+  const std::size_t at = news.size();
+  news.resize(at + bitmap_bytes(tiles), std::byte{0});
   for (std::size_t tile = 0; tile < tiles.flags().size(); ++tile)
-    bitmap[tile / 8] |= std::uint8_t(tiles.flags()[tile] << (tile % 8));
-  for (const std::uint8_t byte : bitmap) append(news, byte);
+    news[at + tile / 8] |= std::byte(tiles.flags()[tile] << (tile % 8));
 }
 
 void read_opaque_news(std::span<const std::byte> news, std::vector<OpaqueTiles>& known) {

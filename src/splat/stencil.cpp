@@ -29,18 +29,6 @@ double largest_q(const Footprint& footprint, double x, double y) {
   return 1 + best;
 }
 
-/// The first pixels of the blocks that can be drawn.
-std::vector<glm::ivec2> find_blocks(const Footprint& footprint, const Stencil& stencil) {
-  constexpr double rounding = 1e-4;
-  std::vector<glm::ivec2> blocks;
-  for (int y = -stencil.reach_y; y <= stencil.reach_y + 1; ++y)
-    for (int x = -stencil.reach_x; x <= stencil.reach_x + 1; x += block_pixels) {
-      const auto can_be_drawn = [&](int i) { return largest_q(footprint, x + i, y) > -rounding; };
-      if (std::ranges::any_of(std::views::iota(0, block_pixels), can_be_drawn)) blocks.emplace_back(x, y);
-    }
-  return blocks;
-}
-
 }  // namespace
 
 float quadratic_part(const Footprint& footprint, int x, int y) {
@@ -58,7 +46,13 @@ Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats) {
   stencil.reach_x = static_cast<int>(reach.x);
   stencil.reach_y = static_cast<int>(reach.y);
 
-  auto blocks = find_blocks(footprint, stencil);
+  constexpr double rounding = 1e-4;
+  std::vector<glm::ivec2> blocks;  // the first pixels of those that can be drawn
+  for (int y = -stencil.reach_y; y <= stencil.reach_y + 1; ++y)
+    for (int x = -stencil.reach_x; x <= stencil.reach_x + 1; x += block_pixels) {
+      const auto can_be_drawn = [&](int i) { return largest_q(footprint, x + i, y) > -rounding; };
+      if (std::ranges::any_of(std::views::iota(0, block_pixels), can_be_drawn)) blocks.emplace_back(x, y);
+    }
   const std::size_t real = blocks.size();
   while (blocks.size() % 4 != 0) blocks.push_back(blocks.back());
 

@@ -30,7 +30,9 @@ class FieldIntegrator : Tracer {
     }
     if (scene_.frame.shown.mode != Mode::composite) {
       const double value = projected(ray);
-      return scene_.frame.shown.values ? Rgba(glm::dvec3(value), 1) : classified(value);
+      if (scene_.frame.shown.values) return Rgba(glm::dvec3(value), 1);
+      const auto sample = curve_.at(value);
+      return Rgba(sample.colour * sample.opacity, sample.opacity);
     }
     Piece seen;
     for (const Crossing& crossing : crossings(ray)) {
@@ -57,11 +59,6 @@ class FieldIntegrator : Tracer {
     if (!values) return std::nullopt;
     return cubic_along(crossing.enter, crossing.leave,
                        [&](double s) { return values->at(ray.at(s) - glm::dvec3(crossing.corner)); });
-  }
-
-  Rgba classified(double value) const {
-    const auto sample = curve_.at(value);
-    return Rgba(sample.colour * sample.opacity, sample.opacity);
   }
 
   /// A ray's extremum, mean or integral.

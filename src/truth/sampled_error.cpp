@@ -16,10 +16,6 @@ struct Difference {
   double square = 0, mean = 0, largest = 0;
 };
 
-bool is_finite(const float* pixel) {
-  return std::all_of(pixel, pixel + 4, [](float v) { return std::isfinite(v); });
-}
-
 /// The sampled squares of a stratum.
 struct Squares {
   PixelSample::Stratum stratum;
@@ -121,7 +117,8 @@ SampledError sampled_error(const Image& image, const PixelSample& sample, std::s
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x) {
       const bool inside = sample.bounds.rows[std::size_t(y)].contains(x);
-      if (inside && is_finite(image.pixel(x, y))) continue;
+      const std::span pixel(image.pixel(x, y), 4);
+      if (inside && std::ranges::all_of(pixel, [](float v) { return std::isfinite(v); })) continue;
       const Difference d = see({x, y}, Rgba(0.0));
       known += d.square;
       signed_sum += d.mean;

@@ -156,27 +156,6 @@ class SheetTracer : Tracer {
     return {at(std::max(slab.centroid - slab.spread, 0.0)), at(std::min(slab.centroid + slab.spread, 1.0))};
   }
 
-  Phong::Light light(const std::vector<glm::dvec3>& normals, const glm::dvec3& to_viewer) const {
-    if (!scene_.shaded()) return {};
-    Phong::Light mean{0, 0};
-    for (const glm::dvec3& normal : normals) {
-      const Phong::Light one = phong_.light(normal, to_viewer);
-      mean.scale += one.scale / double(normals.size());
-      mean.highlight += one.highlight / double(normals.size());
-    }
-    return mean;
-  }
-
-  /// What is left of a slab's opacity by how steep the field is there.
-  double at_edges(double opacity, const std::vector<glm::dvec3>& normals) const {
-    if (!scene_.frame.shown.edges) return opacity;
-    double share = 0;
-    for (const glm::dvec3& normal : normals)
-      share += gradients_.left_at_edge(1, normal) / double(normals.size());
-    if (opacity == 1) return share > 0 ? 1 : 0;
-    return -std::expm1(share * std::log1p(-opacity));
-  }
-
   void add_slab(const LatticeRay& ray, Sheet& front, Sheet& back, const Ends& ends, double part,
                 Rgba& seen) const {
     if (!ends.front || !ends.back) return;
@@ -235,8 +214,17 @@ class SheetTracer : Tracer {
     if (!(opacity > 0)) return;
     std::vector<glm::dvec3> lit_at;
     if (scene_.needs_gradients()) lit_at = normals(slab, front, back);
-    opacity = at_edges(opacity, lit_at);
-    const glm::dvec3 colour = light(lit_at, ray.to_viewer).on(slab.colour);
+    Phong::Light mean{scene_.shaded() ? 0.0 : 1.0, 0};
+    double share = 0;  // of the opacity that is left by how steep the field is there
+    for (const glm::dvec3& normal : lit_at) {
+      const Phong::Light one = scene_.shaded() ? phong_.light(normal, ray.to_viewer) : Phong::Light{0, 0};
+      mean.scale += one.scale / double(lit_at.size());
+      mean.highlight += one.highlight / double(lit_at.size());
+      share += gradients_.left_at_edge(1, normal) / double(lit_at.size());
+    }
+    if (scene_.frame.shown.edges)
+      opacity = opacity == 1 ? double(share > 0) : -std::expm1(share * std::log1p(-opacity));
+    const glm::dvec3 colour = mean.on(slab.colour);
     for (int c = 0; c < 3; ++c) seen[c] += seen.w * opacity * colour[c];
     seen.w *= 1 - opacity;
   }

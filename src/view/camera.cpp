@@ -223,15 +223,6 @@ void check_representable(const ViewTransform& view) {
                      "use a zoom or a camera matrix nearer to the volume's size");
 }
 
-}  // namespace
-
-int nearest_axis(const glm::dvec3& direction) {
-  const glm::dvec3 along = glm::abs(direction);
-  return along.x >= along.y && along.x >= along.z ? 0 : along.y >= along.z ? 1 : 2;
-}
-
-namespace {
-
 /// Stands in a world direction from the volume's middle, or from a target that is `beyond` it; the volume's
 /// box fills the picture.
 Camera standing_before(const LatticeFrame& lattice, const glm::dvec3& to_viewer, const glm::dvec3& beyond) {
@@ -243,6 +234,11 @@ Camera standing_before(const LatticeFrame& lattice, const glm::dvec3& to_viewer,
 }
 
 }  // namespace
+
+int nearest_axis(const glm::dvec3& direction) {
+  const glm::dvec3 along = glm::abs(direction);
+  return along.x >= along.y && along.x >= along.z ? 0 : along.y >= along.z ? 1 : 2;
+}
 
 Camera facing_slices(const LatticeFrame& lattice, Axis axis, bool patient) {
   const double side = patient ? -1 : 1;
