@@ -11,22 +11,19 @@ namespace {
 
 int wrapped(int row, int rows) { return (row % rows + rows) % rows; }
 
-Direction vertical_direction(const Layout& mesh, int row, NodeId destination, int destination_row) {
-  const bool below = destination_row > row;
-  if (!wraps(mesh)) return below ? Direction::south : Direction::north;
-  if (destination.role == Role::renderer)
-    return destination.index < mesh.mesh_rows ? Direction::south : Direction::north;
-  const int down = wrapped(destination_row - row, mesh.mesh_rows);
-  return 2 * down <= mesh.mesh_rows ? Direction::south : Direction::north;
-}
-
 /// The direction in which a message for `destination` leaves `rank`; nothing at the destination.
 std::optional<Direction> next_direction(const Layout& mesh, int rank, NodeId destination) {
   const int to = mesh.rank_of(destination);
   if (to == rank) return std::nullopt;
   const MeshPlace here = place_of(mesh, rank), there = place_of(mesh, to);
   const bool on_renderer = rank >= mesh.gps;
-  if (!on_renderer && here.y != there.y) return vertical_direction(mesh, here.y, destination, there.y);
+  if (!on_renderer && here.y != there.y) {
+    const bool down = !wraps(mesh) ? there.y > here.y
+                      : destination.role == Role::renderer
+                          ? destination.index < mesh.mesh_rows
+                          : 2 * wrapped(there.y - here.y, mesh.mesh_rows) <= mesh.mesh_rows;
+    return down ? Direction::south : Direction::north;
+  }
   return there.x < here.x || (on_renderer && here.x == mesh.mesh_columns) ? Direction::west : Direction::east;
 }
 

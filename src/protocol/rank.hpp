@@ -37,7 +37,8 @@ class CountedFrames final : public FrameSource {
       : frames_(frames), mesh_(mesh), most_(frames_in_flight) {}
 
   std::optional<Bytes> next(std::int64_t frame) override {
-    if (ended_ || waits()) return std::nullopt;
+    // One frame more than may be under way may be counted, so that this does not delay the next frame.
+    if (ended_ || under_way_ + int(counting_.size()) > most_) return std::nullopt;
     auto body = frames_.next(frame);
     if (body)
       ++under_way_;
@@ -62,9 +63,6 @@ class CountedFrames final : public FrameSource {
   void pause(std::chrono::nanoseconds most) override { frames_.pause(most); }
 
  private:
-  /// One frame more than may be under way may be counted, so that this does not delay the next frame.
-  bool waits() const { return under_way_ + int(counting_.size()) > most_; }
-
   FrameSource& frames_;
   MeshTransport& mesh_;
   int most_;
@@ -167,18 +165,14 @@ class Host {
   }
 
   void wait() {
-    if (!idle()) {
+    if (!early_frames_.empty() ||
+        !std::ranges::all_of(nodes_, [](const auto& node) { return node->idle(); })) {
       transport_->wait_next();
     } else if (source_ != nullptr && rank() == 0) {
       transport_->wait_between_frames([this](std::chrono::nanoseconds most) { source_->pause(most); });
     } else {
       transport_->wait_between_frames({});
     }
-  }
-
-  bool idle() const {
-    return early_frames_.empty() &&
-           std::all_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node->idle(); });
   }
 
   std::optional<Message> next_arrived() {

@@ -73,14 +73,6 @@ struct Places {
   float wx[4][most_places], wy[4][most_places];
 };
 
-/// Finds the places of pixels first … first + count − 1.
-HWY_INLINE void find_places(const WarpedRow& row, int first, int count, Places& places) {
-  std::int32_t columns[most_places], rows[most_places];
-  find_taps(row.start_x, row.step_x, first, count, columns, places.wx);
-  find_taps(row.start_y, row.step_y, first, count, rows, places.wy);
-  for (int k = 0; k < count; ++k) places.tap[k] = rows[k] * row.row_floats + columns[k] * std::ptrdiff_t{4};
-}
-
 /// Returns (c0 + c1) + (c2 + c3) of the columns c, each the weighted sum of four taps. `taps`: the first of
 /// four pixels in the first of four rows. `k`: which of the places' weights they have.
 HWY_INLINE hn::Vec<FourFloats> sum_columns(const float* taps, std::ptrdiff_t row_floats, const Places& places,
@@ -100,9 +92,12 @@ HWY_INLINE hn::Vec<FourFloats> sum_columns(const float* taps, std::ptrdiff_t row
 /// pixel.
 void WarpRow(const WarpedRow& row, float* screen) {
   Places places;
+  std::int32_t columns[most_places], rows[most_places];
   for (int first = row.first; first < row.end; first += most_places) {
     const int count = std::min(row.end - first, most_places);
-    find_places(row, first, count, places);
+    find_taps(row.start_x, row.step_x, first, count, columns, places.wx);
+    find_taps(row.start_y, row.step_y, first, count, rows, places.wy);
+    for (int k = 0; k < count; ++k) places.tap[k] = rows[k] * row.row_floats + columns[k] * std::ptrdiff_t{4};
     for (int k = 0; k < count; ++k)
       hn::StoreU(clamp_pixel(sum_columns(row.plane + places.tap[k], row.row_floats, places, k)), FourFloats(),
                  screen + std::ptrdiff_t{4} * (first + k));

@@ -40,12 +40,9 @@ class Certifier : Tracer {
   }
 
   PixelBounds along(Pixel pixel) const {
-    const auto hits = [&](const Rays& rays) {
-      const LatticeRay ray = rays.through(pixel);
-      return ray.enter < ray.leave;
-    };
     const LatticeRay ray = rays_.through(pixel);
-    if (!(ray.enter < ray.leave)) return hits(grown_) ? PixelBounds{} : PixelBounds{Rgba(0.0), Rgba(0.0)};
+    if (!(ray.enter < ray.leave))
+      return grown_.hit(pixel) ? PixelBounds{} : PixelBounds{Rgba(0.0), Rgba(0.0)};
     Sight sight{.pieces_left = most_pieces_};
     const std::vector<Uncertain> cuts = uncertain_cuts(scene_, ray);
     for (std::size_t i = 0; i + 1 < cuts.size() && !hidden(sight); ++i)
@@ -54,7 +51,7 @@ class Certifier : Tracer {
     EnclosedPiece seen = composited(sight);
     while (!(seen.width() <= width_) && sharpen(sight, seen.width())) seen = composited(sight);
     PixelBounds bounds = bounds_of(seen);
-    if (!hits(shrunk_)) bounds.low = Rgba(0.0);
+    if (!shrunk_.hit(pixel)) bounds.low = Rgba(0.0);
     return bounds;
   }
 

@@ -27,28 +27,22 @@ LatticeBox voxel_faces(const Scene& scene) {
 
 double CutPlane::at(const glm::dvec3& place) const { return glm::dot(normal, place) + offset; }
 
-std::vector<CutPlane> cut_planes(const Scene& scene) {
-  const LatticeFrame whole = scene.cut_from ? scene.cut_from->whole : lattice_of(scene.grid);
-  const glm::dvec3 first(scene.cut_from ? scene.cut_from->first : glm::ivec3(0));
-  std::vector<CutPlane> planes;
-  for (const auto& [normal, distance] : scene.frame.shown.clip_planes) {
-    const glm::dvec3 from_middle =
-        whole.direction * (whole.spacing * (first - 0.5 * glm::dvec3(whole.dims - 1)));
-    const glm::dvec3 unit = glm::normalize(normal);
-    planes.push_back(
-        {glm::transpose(whole.direction) * unit * whole.spacing, glm::dot(unit, from_middle) - distance});
-  }
-  return planes;
-}
-
 Rays::Rays(const Scene& scene, const LatticeBox& box)
     : view_(view_of(scene)),
       width_(scene.frame.shown.width),
       height_(scene.frame.shown.height),
       box_(box),
-      planes_(cut_planes(scene)),
       grid_(scene.grid) {
   to_lattice_ = glm::inverse(view_.linear);
+  const LatticeFrame whole = scene.cut_from ? scene.cut_from->whole : lattice_of(scene.grid);
+  const glm::dvec3 first(scene.cut_from ? scene.cut_from->first : glm::ivec3(0));
+  for (const auto& [normal, distance] : scene.frame.shown.clip_planes) {
+    const glm::dvec3 from_middle =
+        whole.direction * (whole.spacing * (first - 0.5 * glm::dvec3(whole.dims - 1)));
+    const glm::dvec3 unit = glm::normalize(normal);
+    planes_.push_back(
+        {glm::transpose(whole.direction) * unit * whole.spacing, glm::dot(unit, from_middle) - distance});
+  }
   if (view_.eye) return;
   point(parallel_, to_lattice_ * glm::dvec3(0, 0, 1));
   parallel_.to_viewer = view_.to_viewer;
@@ -96,19 +90,20 @@ LatticeRay Rays::through(Pixel pixel) const {
   return ray;
 }
 
+bool Rays::hit(Pixel pixel) const {
+  const LatticeRay ray = through(pixel);
+  return ray.enter < ray.leave;
+}
+
 ScreenBounds Rays::bounds() const {
   ScreenBounds bounds;
   bounds.rows.resize(std::size_t(height_));
-  const auto crosses = [&](int x, int y) {
-    const LatticeRay ray = through({x, y});
-    return ray.enter < ray.leave;
-  };
   // A box's picture is convex, so each row has one piece of it.
   parallel_for(bounds.rows.size(), 16, [&](std::size_t from, std::size_t to) {
     for (std::size_t y = from; y < to; ++y) {
       ScreenBounds::Row row{0, width_};
-      while (row.first < row.end && !crosses(row.first, int(y))) ++row.first;
-      while (row.first < row.end && !crosses(row.end - 1, int(y))) --row.end;
+      while (row.first < row.end && !hit({row.first, int(y)})) ++row.first;
+      while (row.first < row.end && !hit({row.end - 1, int(y)})) --row.end;
       bounds.rows[y] = row;
     }
   });

@@ -35,7 +35,6 @@ struct CutPlane {
   double offset;
   double at(const glm::dvec3& place) const;
 };
-std::vector<CutPlane> cut_planes(const Scene& scene);
 
 /// A pixel's ray in lattice coordinates: origin + s · step, s in unit lengths. It enters the box, or what
 /// clip planes leave of it, at `enter` and leaves it at `leave`; enter ≥ leave when it misses. A ray from an
@@ -53,6 +52,7 @@ class Rays {
   explicit Rays(const Scene& scene) : Rays(scene, voxel_faces(scene)) {}
   Rays(const Scene& scene, const LatticeBox& box);
   LatticeRay through(Pixel pixel) const;
+  bool hit(Pixel pixel) const;
   /// The pixels whose rays cross the box.
   ScreenBounds bounds() const;
   const ViewTransform& view() const { return view_; }

@@ -102,15 +102,6 @@ void turn(ViewTransform& view, const Camera& camera) {
   view.up = roll.cosine * up - roll.sine * right;
 }
 
-/// What the shorter side of the picture shows, from its middle, of the plane through the box's centre when an
-/// orthographic view just holds the box.
-double fitting_half_side(const ViewTransform& view, const LatticeFrame& lattice, int width, int height) {
-  const double side = std::min(width, height);
-  return std::max(half_extent(lattice, view.right) * (side / width),
-                  half_extent(lattice, view.up) * (side / height)) /
-         box_fill;
-}
-
 /// From the box's centre to the eye whose view, `slope` half as wide as far, just holds the box's corners.
 double fitting_distance(const ViewTransform& view, const LatticeFrame& lattice, int width, int height,
                         double slope) {
@@ -147,8 +138,13 @@ ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice
   else
     turn(view, camera);
   const bool fits_box = camera.fit == Fit::box;
+  const double side = std::min(width, height);
   // From the centre to the nearer edges of the picture at zoom 1.
-  double shown = fits_box ? fitting_half_side(view, lattice, width, height) : radius;
+  double shown = radius;
+  if (fits_box)  // as if an orthographic view just held the box
+    shown = std::max(half_extent(lattice, view.right) * (side / width),
+                     half_extent(lattice, view.up) * (side / height)) /
+            box_fill;
   if (camera.fov > 0) {
     const double slope = std::tan(0.5 * camera.fov * std::numbers::pi / 180);
     if (distance == 0 && fits_box)
@@ -156,14 +152,13 @@ ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice
     if (distance > 0) shown = distance * slope;
     view.eye = centre + glm::inverse(lattice.direction) * (shown / slope * view.to_viewer) / lattice.spacing;
   }
-  view.pixels_per_unit = camera.zoom * (0.5 * std::min(width, height) / shown);
+  view.pixels_per_unit = camera.zoom * (0.5 * side / shown);
   const glm::dmat3 axes = lattice_to_world(lattice);
   for (int k = 0; k < 3; ++k)
     view.linear[k] =
         view.pixels_per_unit * glm::dvec3(glm::dot(view.right, axes[k]), -glm::dot(view.up, axes[k]),
                                           -glm::dot(view.to_viewer, axes[k]));
   // The centre is subtracted in lattice coordinates, so a large world origin costs no precision.
-  const double side = std::min(width, height);
   view.offset = glm::dvec3(0.5 * width + camera.pan[0] * side, 0.5 * height + camera.pan[1] * side, 0.0) -
                 view.linear * centre;
   return view;

@@ -9,27 +9,6 @@
 namespace ringsplat {
 namespace {
 
-/// How the view's rays meet the three slice sets.
-struct SliceGeometry {
-  glm::dvec3 ray;         ///< lattice steps for one pixel of depth: which slices a ray crosses, and how fast
-  glm::dvec3 cos_angles;  ///< between the ray and each axis' slice normal, both on the screen; signed
-};
-
-SliceGeometry slice_geometry(const glm::dmat3& linear) {
-  const glm::dvec3 lengths{largest_magnitude(linear[0]), largest_magnitude(linear[1]),
-                           largest_magnitude(linear[2])};
-  // Columns of like size keep the determinant in range for spacings of 1e-12 or 1e12.
-  const glm::dmat3 inverse =
-      glm::inverse(glm::dmat3(linear[0] / lengths.x, linear[1] / lengths.y, linear[2] / lengths.z));
-  SliceGeometry geometry{};
-  for (int k = 0; k < 3; ++k) {
-    const glm::dvec3 normal{inverse[0][k], inverse[1][k], inverse[2][k]};
-    geometry.cos_angles[k] = normal.z / glm::length(normal);
-    geometry.ray[k] = normal.z / lengths[k];
-  }
-  return geometry;
-}
-
 Axis largest(const glm::dvec3& suits) {
   const double enough = largest_magnitude(suits) * (1.0 - 1e-9);
   for (const Axis axis : {Axis::z, Axis::y})
@@ -67,19 +46,30 @@ glm::dvec3 often_crossed(glm::dvec3 suits, const glm::dvec3& ray) {
 }  // namespace
 
 Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice, SliceRule rule) {
-  const SliceGeometry geometry = slice_geometry(view.linear);
-  glm::dvec3 suits =
-      view.eye ? in_one_order(geometry.cos_angles, *view.eye, lattice.dims) : geometry.cos_angles;
-  if (rule == SliceRule::most_crossed) suits = often_crossed(suits, geometry.ray);
+  const glm::dmat3& linear = view.linear;
+  const glm::dvec3 lengths{largest_magnitude(linear[0]), largest_magnitude(linear[1]),
+                           largest_magnitude(linear[2])};
+  // Columns of like size keep the determinant in range for spacings of 1e-12 or 1e12.
+  const glm::dmat3 inverse =
+      glm::inverse(glm::dmat3(linear[0] / lengths.x, linear[1] / lengths.y, linear[2] / lengths.z));
+  glm::dvec3 ray{};         // lattice steps for one pixel of depth: which slices a ray crosses, and how fast
+  glm::dvec3 cos_angles{};  // between the ray and each axis' slice normal, both on the screen; signed
+  for (int axis = 0; axis < 3; ++axis) {
+    const glm::dvec3 normal{inverse[0][axis], inverse[1][axis], inverse[2][axis]};
+    cos_angles[axis] = normal.z / glm::length(normal);
+    ray[axis] = normal.z / lengths[axis];
+  }
+  glm::dvec3 suits = view.eye ? in_one_order(cos_angles, *view.eye, lattice.dims) : cos_angles;
+  if (rule == SliceRule::most_crossed) suits = often_crossed(suits, ray);
   Traversal traversal;
   traversal.axis = largest(suits);
   const int k = int(traversal.axis);
-  traversal.ascending = geometry.ray[k] > 0;
-  traversal.cos_angle = std::abs(geometry.cos_angles[k]);
+  traversal.ascending = ray[k] > 0;
+  traversal.cos_angle = std::abs(cos_angles[k]);
   const double unit_length = std::min({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});
-  const glm::dvec3 step = geometry.ray / std::abs(geometry.ray[k]);  // between two neighbouring slices
+  const glm::dvec3 step = ray / std::abs(ray[k]);  // between two neighbouring slices
   traversal.slice_distance = safe_length(lattice.direction * (lattice.spacing * step)) / unit_length;
-  glm::dvec3 cells = geometry.ray / geometry.ray[k];
+  glm::dvec3 cells = ray / ray[k];
   cells[k] = 0;
   // Light changes along what does not bend.
   constexpr double least_bend = 0.6;
