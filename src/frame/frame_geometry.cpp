@@ -146,10 +146,6 @@ PixelWindow reached_pixels(const FrameGeometry& g) {
   return {std::int64_t(low.x), std::int64_t(low.y), std::int64_t(high.x), std::int64_t(high.y)};
 }
 
-PixelRect touched(const Regions& regions, const PixelWindow& pixels) {
-  return regions.touched(pixels.x0, pixels.y0, pixels.x1, pixels.y1);
-}
-
 /// In the slices' plane a row of voxels is a row of pixels, so regions are strips as wide as the image: no
 /// row is cut, unless there are more Renderers than strips. The image there is small, and the volume covers
 /// all of it; still every Renderer should get strips from several parts.
@@ -219,7 +215,7 @@ Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry) {
 }
 
 PixelRect reached_regions(const FrameGeometry& g, const Regions& regions) {
-  return touched(regions, reached_pixels(g));
+  return regions.touched(reached_pixels(g));
 }
 
 void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
@@ -237,7 +233,7 @@ void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
     g.regions = {g.width, g.height, usual_side};
   else
     g.regions = strips(renderers, g.width, g.height);
-  g.reached = touched(g.regions, reached);
+  g.reached = g.regions.touched(reached);
   g.dealt_to = division.dealt_to;
 }
 

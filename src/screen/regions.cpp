@@ -90,14 +90,13 @@ std::vector<int> Regions::owned(int renderer, const RegionOwners& owners) const 
   return mine;
 }
 
-PixelRect Regions::touched(long long x0, long long y0, long long x1, long long y1) const {
-  x0 = std::max(x0, 0LL);
-  y0 = std::max(y0, 0LL);
-  x1 = std::min(x1, static_cast<long long>(width_) - 1);
-  y1 = std::min(y1, static_cast<long long>(height_) - 1);
+PixelRect Regions::touched(const PixelWindow& pixels) const {
+  const std::int64_t x0 = std::max<std::int64_t>(pixels.x0, 0), y0 = std::max<std::int64_t>(pixels.y0, 0),
+                     x1 = std::min<std::int64_t>(pixels.x1, width_ - 1),
+                     y1 = std::min<std::int64_t>(pixels.y1, height_ - 1);
   if (x0 > x1 || y0 > y1) return {};
-  return {static_cast<int>(x0 / region_width_), static_cast<int>(y0 / region_height_),
-          static_cast<int>(x1 / region_width_) + 1, static_cast<int>(y1 / region_height_) + 1};
+  return {int(x0 / region_width_), int(y0 / region_height_), int(x1 / region_width_) + 1,
+          int(y1 / region_height_) + 1};
 }
 
 }  // namespace ringsplat

@@ -15,6 +15,16 @@ struct PixelRect {
   bool operator==(const PixelRect&) const = default;
 };
 
+/// The pixels of the image plane from (x0, y0) to (x1, y1), both included: unlike a PixelRect, whose end is
+/// not.
+struct PixelWindow {
+  std::int64_t x0, y0, x1, y1;
+};
+/// The smallest window with both.
+inline PixelWindow hull(const PixelWindow& a, const PixelWindow& b) {
+  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
+
 /// Which Renderer owns a region: the one map from regions to Renderers, used by all. Either what each costs
 /// is known, and a list says who gets which (frame/work_estimate.hpp), or they are dealt in turn:
 ///
@@ -71,22 +81,12 @@ class Regions {
   }
   std::vector<int> owned(int renderer, const RegionOwners& owners) const;
 
-  /// The regions that the pixels from (x0, y0) to (x1, y1), both included, touch, in columns and rows of
-  /// regions. Clipped to the image plane; empty when outside it.
-  PixelRect touched(long long x0, long long y0, long long x1, long long y1) const;
+  /// The regions that these pixels touch, in columns and rows of regions. Clipped to the image plane; empty
+  /// when outside it.
+  PixelRect touched(const PixelWindow& pixels) const;
 
  private:
   int width_ = 0, height_ = 0, region_width_ = 1, region_height_ = 1, columns_ = 0, rows_ = 0;
 };
-
-/// The pixels of the image plane from (x0, y0) to (x1, y1), both included: unlike a PixelRect, whose end is
-/// not.
-struct PixelWindow {
-  std::int64_t x0, y0, x1, y1;
-};
-/// The smallest window with both.
-inline PixelWindow hull(const PixelWindow& a, const PixelWindow& b) {
-  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
-}
 
 }  // namespace ringsplat

@@ -161,7 +161,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     if (!state.needed && state.transparent == elsewhere_) return;
     if (!geometry().clip_planes.empty() && cut_off(column, row)) return;
     const PixelWindow window = windows_.of(column, row, slice_.index);
-    const PixelRect touched = geometry().regions.touched(window.x0, window.y0, window.x1, window.y1);
+    const PixelRect touched = geometry().regions.touched(window);
     if (state.needed)
       send(block, column, row, window, touched);
     else

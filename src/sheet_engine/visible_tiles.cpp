@@ -27,7 +27,7 @@ void VisibleTiles::lay_out(const Regions& all, const std::vector<int>& some) {
 }
 
 bool VisibleTiles::mark(const PixelWindow& pixels) {
-  const PixelRect touched = all_.touched(pixels.x0, pixels.y0, pixels.x1, pixels.y1);
+  const PixelRect touched = all_.touched(pixels);
   TileMask* masks = masks_.data() + masks_.size() - groups_.size();
   bool any = false;
   for (int y = touched.y0; y < touched.y1; ++y)

@@ -215,7 +215,7 @@ class WeighedEncoder final : public FrameEncoder<SheetFrame> {
   void deal(int column, int row) {
     const PixelWindow window = windows_.of(column, row, slice_.index);
     const Regions& regions = geometry().regions;
-    const PixelRect touched = regions.touched(window.x0, window.y0, window.x1, window.y1);
+    const PixelRect touched = regions.touched(window);
     if (at(column, row)) samples_.add(column, row);
     if (!touched.empty()) ++seen_blocks_;
     const std::int64_t number = std::int64_t{row} * columns_ + column;

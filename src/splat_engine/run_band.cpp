@@ -46,7 +46,7 @@ class RunBand final : public RowBand {
     const Columns all{front.first + std::uint32_t(std::countr_zero(front.mask)),
                       back.first + std::uint32_t(std::bit_width(back.mask))};
     const PixelWindow window = hull(window_of(all.first), window_of(all.end - 1));
-    const PixelRect touched = frame_.geometry.regions.touched(window.x0, window.y0, window.x1, window.y1);
+    const PixelRect touched = frame_.geometry.regions.touched(window);
     const int region = touched.y0 * frame_.geometry.regions.columns() + touched.x0;
     if (touched.width() == 1 && touched.height() == 1 && hidden(region, window) == OpaqueTiles::Cover::none)
       return append_row(region, row);

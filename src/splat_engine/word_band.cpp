@@ -35,7 +35,7 @@ class WordBand final : public RowBand {
     const glm::dvec3 position = dda_.position(std::uint32_t(column));
     const Anchored at = anchor(position.x, position.y);
     const PixelWindow window = pixel_window(at, frame_.reach);
-    const PixelRect touched = frame_.geometry.regions.touched(window.x0, window.y0, window.x1, window.y1);
+    const PixelRect touched = frame_.geometry.regions.touched(window);
     for (int y = touched.y0; y < touched.y1; ++y)
       for (int x = touched.x0; x < touched.x1; ++x)
         put(y * frame_.geometry.regions.columns() + x, at, window, column, sample);

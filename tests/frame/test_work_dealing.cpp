@@ -153,7 +153,7 @@ TEST_CASE("many Renderers' sheets of small blocks lie side by side, and most sta
     for (int y = 0; y < first.height; ++y)
       for (int x = 0; x < first.width; ++x) {
         const auto owner = [&](const FrameGeometry& g) {
-          const PixelRect at = g.regions.touched(x, y, x, y);
+          const PixelRect at = g.regions.touched({x, y, x, y});
           return g.dealt[std::size_t(at.y0 * g.regions.columns() + at.x0)];
         };
         if (owner(first) == RegionOwners::nobody || owner(turned) == RegionOwners::nobody) continue;

@@ -46,7 +46,7 @@ TEST_CASE("regions cover every pixel of the screen exactly once", "[regions]") {
     for (int x = 0; x < width; ++x) {
       const int region = region_at(regions, x, y);
       REQUIRE(region >= 0);
-      const auto block = regions.touched(x, y, x, y);
+      const auto block = regions.touched({x, y, x, y});
       REQUIRE(block == PixelRect{region % regions.columns(), region / regions.columns(),
                                  region % regions.columns() + 1, region / regions.columns() + 1});
     }
@@ -58,11 +58,11 @@ TEST_CASE("regions may be wider than high", "[regions]") {
   CHECK(strips.columns() == 1);
   CHECK(strips.rows() == 3);
   CHECK(strips.rect(2) == PixelRect{0, 96, 300, 100});
-  CHECK(strips.touched(-5, 40, 400, 50) == PixelRect{0, 0, 1, 2});
+  CHECK(strips.touched({-5, 40, 400, 50}) == PixelRect{0, 0, 1, 2});
   const Regions cut(300, 100, 128, 48);
   CHECK(cut.count() == 9);
   CHECK(cut.rect(5) == PixelRect{256, 48, 300, 96});
-  CHECK(cut.touched(127, 47, 128, 48) == PixelRect{0, 0, 2, 2});
+  CHECK(cut.touched({127, 47, 128, 48}) == PixelRect{0, 0, 2, 2});
   CHECK(cut != strips);
   CHECK_THROWS_AS(Regions(300, 100, 128, 0), InputError);
 }
@@ -168,22 +168,22 @@ TEST_CASE("what lies together in the picture is dealt to many Renderers", "[regi
 
 TEST_CASE("touched() is the block of regions that a window of pixels meets", "[regions]") {
   const Regions regions(300, 200, 128);
-  CHECK(regions.touched(127, 127, 127, 127) == PixelRect{0, 0, 1, 1});
-  CHECK(regions.touched(127, 127, 128, 127) == PixelRect{0, 0, 2, 1});
-  CHECK(regions.touched(126, 126, 129, 129) == PixelRect{0, 0, 2, 2});
-  CHECK(regions.touched(-5, 10, 3, 11) == PixelRect{0, 0, 1, 1});
-  CHECK(regions.touched(-100, -100, 1000, 1000) == PixelRect{0, 0, 3, 2});
+  CHECK(regions.touched({127, 127, 127, 127}) == PixelRect{0, 0, 1, 1});
+  CHECK(regions.touched({127, 127, 128, 127}) == PixelRect{0, 0, 2, 1});
+  CHECK(regions.touched({126, 126, 129, 129}) == PixelRect{0, 0, 2, 2});
+  CHECK(regions.touched({-5, 10, 3, 11}) == PixelRect{0, 0, 1, 1});
+  CHECK(regions.touched({-100, -100, 1000, 1000}) == PixelRect{0, 0, 3, 2});
   constexpr auto far = std::numeric_limits<long long>::max();
-  CHECK(regions.touched(-far, -far, far, far) == PixelRect{0, 0, 3, 2});
+  CHECK(regions.touched({-far, -far, far, far}) == PixelRect{0, 0, 3, 2});
 }
 
 TEST_CASE("touched() is empty off the screen", "[regions]") {
   const Regions regions(300, 200, 128);
-  CHECK(regions.touched(-4, 0, -1, 3).empty());
-  CHECK(regions.touched(300, 0, 303, 3).empty());
-  CHECK(regions.touched(0, -9, 3, -1).empty());
-  CHECK(regions.touched(0, 200, 3, 201).empty());
-  CHECK(Regions().touched(0, 0, 0, 0).empty());
+  CHECK(regions.touched({-4, 0, -1, 3}).empty());
+  CHECK(regions.touched({300, 0, 303, 3}).empty());
+  CHECK(regions.touched({0, -9, 3, -1}).empty());
+  CHECK(regions.touched({0, 200, 3, 201}).empty());
+  CHECK(Regions().touched({0, 0, 0, 0}).empty());
 }
 
 TEST_CASE("bad screen and region sizes are refused", "[regions]") {

@@ -35,7 +35,7 @@ TEST_CASE("a Renderer is told only of blocks that it can see, whatever the funct
   const Regions& regions = frame->geometry.regions;
   const auto sees = [&](int renderer, int column, int row) {
     const PixelWindow window = windows.of(column, row, 6);
-    const PixelRect touched = regions.touched(window.x0, window.y0, window.x1, window.y1);
+    const PixelRect touched = regions.touched(window);
     for (int y = touched.y0; y < touched.y1; ++y)
       for (int x = touched.x0; x < touched.x1; ++x)
         if (frame->plan.tiles[std::size_t(y * regions.columns() + x)].renderer == renderer) return true;
