@@ -52,6 +52,7 @@ ExitCode run(const ReferenceOptions& o) {
   spec.shown.clip = clip_box(o.picture.clip, source->grid());
   const MadeFunction made = choice.make(volume.statistics);
   made.set(spec.shown);
+  spec.shown.tints = tints_of(o.picture.volume.mask, volume.labels);
   check(spec);
   if (!o.picture.transfer_function_out.empty())
     write_text_output(o.picture.transfer_function_out, to_paraview_json(spec.shown.transfer_function));

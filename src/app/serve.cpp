@@ -58,11 +58,11 @@ Job prepare(const ServeOptions& options, Launch& launch) {
 }
 
 std::vector<serve::Label> labels_of(const std::vector<double>& values, const std::filesystem::path& file) {
-  const auto names = detail::label_names(file);
+  const auto notes = detail::label_notes(file);
   std::vector<serve::Label> labels;
   for (const double value : values) {
-    const auto name = names.find(value);
-    if (value != 0) labels.push_back({value, name == names.end() ? "" : name->second});
+    const auto of_file = notes.find(value);
+    if (value != 0) labels.push_back({value, of_file == notes.end() ? "" : of_file->second.name});
   }
   return labels;
 }
@@ -114,6 +114,8 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.initial.shown = o.frame.shown;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
   made.set(v.initial.shown);
+  v.initial.shown.tints = tints_of(o.volume.mask, scene.labels);
+  v.segments = labels_of(scene.labels, o.volume.mask.path);
   serve::set_modes(usual.function, scene.values, v);
   check(v.initial.shown.transfer_function, o.transfer_function);
   add_channels(job, scene, v);

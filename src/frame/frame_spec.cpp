@@ -77,6 +77,8 @@ json to_json(const Shown& s) {
   for (const ClipPlane& plane : s.clip_planes)
     j["clip_planes"].push_back({plane.normal.x, plane.normal.y, plane.normal.z, plane.distance});
   if (s.edges) j["edges"] = {s.edges->from, s.edges->to};
+  for (const auto& [label, colour, share] : s.tints)
+    j["tints"].push_back({label, colour.r, colour.g, colour.b, share});
   return j;
 }
 
@@ -160,6 +162,16 @@ void check_edges(const Shown& shown, const Method& method) {
     throw InputError("splats' opacities do not go by gradients", "use --engine sheets, or leave --tf2d out");
 }
 
+void check_tints(const Shown& shown, const Method& method) {
+  if (!shown.tints.empty() && std::holds_alternative<Splats>(method))
+    throw InputError("splats cannot be tinted by a segmentation", "use --engine sheets, or --mask-as hide");
+  for (const auto& [label, colour, share] : shown.tints)
+    for (const float part : {colour.r, colour.g, colour.b, share})
+      if (label < 1 || label > most_tints || !(part >= 0 && part <= 1))
+        throw InputError(fmt::format("label {} cannot have that colour", label),
+                         "labels lie between 1 and 127, colours and shares of them between 0 and 1");
+}
+
 /// The first byte has the method's index among Method's alternatives, and above it the volume's number.
 constexpr std::size_t most_methods = 4;
 static_assert(std::variant_size_v<Method> <= most_methods);
@@ -210,6 +222,7 @@ void check(const FrameSpec& spec) {
   check_mode(spec.shown, spec.how);
   check_clip_planes(spec.shown, spec.how);
   check_edges(spec.shown, spec.how);
+  check_tints(spec.shown, spec.how);
 }
 
 Bytes encode(const FrameSpec& spec, std::size_t volume) {

@@ -149,7 +149,8 @@ FrameRange parse_frames(const std::string& text, const std::string& option) {
 
 ShownLabels parse_mask(const std::string& text, const std::string& option) {
   const auto at = text.rfind('=');
-  ShownLabels mask{text.substr(0, at), {}};
+  ShownLabels mask;
+  mask.path = text.substr(0, at);
   const auto refuse = [&](const char* what) {
     throw InputError(fmt::format("{} '{}' {}", option, printable(text), what),
                      fmt::format("{0} seg.nrrd, or with labels {0} seg.nrrd=1,3-5", option));

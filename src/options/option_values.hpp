@@ -13,7 +13,7 @@
 #include "classify/auto_preset.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/voxel_box.hpp"
-#include "volume/masked.hpp"
+#include "volume/segmented.hpp"
 
 /// Turns what people type for an option into values. Every function throws InputError that names the option
 /// (`option`, such as "--size") and shows a value that works.
@@ -60,6 +60,7 @@ double parse_positive(const std::string& text, const std::string& option, const 
 struct ShownLabels {
   std::string path;  ///< empty: everything is shown
   LabelRanges labels;
+  Covered covered = Covered::alone;
 };
 /// "FILE", or "FILE=1,3-5" with labels.
 ShownLabels parse_mask(const std::string& text, const std::string& option);

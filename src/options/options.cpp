@@ -1,3 +1,6 @@
+#include "base/srgb.hpp"
+#include "classify/auto_preset.hpp"
+#include "formats/nrrd/header.hpp"
 #include "options/option_tables.hpp"
 
 namespace ringsplat::app {
@@ -20,7 +23,22 @@ ScalarType parse_type(const std::string& text, const std::string&) { return scal
 std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& o) {
   auto volume = o.opener ? o.opener(o.choice) : ringsplat::open_volume(o.path, o.raw, o.choice);
   if (o.mask.path.empty()) return volume;
-  return masked_source(std::move(volume), ringsplat::open_volume(o.mask.path), o.mask.labels);
+  return segmented_source(std::move(volume), ringsplat::open_volume(o.mask.path), o.mask.labels,
+                          o.mask.covered);
+}
+
+std::vector<Tint> tints_of(const ShownLabels& mask, const std::vector<double>& labels) {
+  std::vector<Tint> tints;
+  if (mask.covered == Covered::alone) return tints;
+  const auto notes = detail::label_notes(mask.path);
+  for (const double label : labels) {
+    if (label == 0) continue;
+    const auto of_file = notes.find(label);
+    const auto colour = of_file != notes.end() ? of_file->second.colour : std::nullopt;
+    tints.push_back({int(label), srgb_to_linear(colour.value_or(label_colour(label))),
+                     mask.covered == Covered::outlined ? 1.0F : 0.6F});
+  }
+  return tints;
 }
 
 void add_volume_options(OptionList& list, VolumeOptions& o) {
@@ -49,6 +67,11 @@ void add_volume_options(OptionList& list, VolumeOptions& o) {
        "Show only what a segmentation covers, or of its labels some: seg.nrrd=1,3-5; of its own grid or "
        "another",
        parsed(o.mask, parse_mask)},
+      {"--mask-as", nullptr, initial,
+       "What --mask does: hide all else, or tint or outline what its labels cover, in the file's colours or "
+       "usual ones",
+       choice(o.mask.covered,
+              {{"hide", Covered::alone}, {"tint", Covered::tinted}, {"outline", Covered::outlined}})},
   };
   list.below("Raw volumes (others describe themselves)") += {
       {"--dims", "XxYxZ", nullptr, "Voxels along x, y, z", parsed(o.raw.dims, parse_dims)},

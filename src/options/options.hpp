@@ -47,6 +47,9 @@ inline bool names_channels(const std::string& channel) {
 
 std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& volume);
 
+/// Those of the labels that --mask tints or outlines, `labels`, in the file's colours or usual ones.
+std::vector<Tint> tints_of(const ShownLabels& mask, const std::vector<double>& labels);
+
 /// Where the nodes run and how they talk.
 struct RunOptions {
   TransportChoice transport = TransportChoice::automatic;

@@ -330,6 +330,8 @@ std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes&
     const LatticeFrame lattice = lattice_frame(grid);
     const Camera facing = o.slice ? facing_slices(lattice, *o.slice, patient)
                                   : facing_plane(lattice, planes.front().normal, planes.front().distance);
+    if (o.oblique_slice && o.volume.mask.covered != Covered::alone)
+      throw InputError("--mask-as: an oblique slice shows no labels", "give one across x, y or z");
     if (o.oblique_slice) planes = planes_of_slice(planes.front(), grid);
     camera.target = facing.target;
     camera.eye = facing.eye;

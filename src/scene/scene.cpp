@@ -9,6 +9,7 @@
 #include "net/blocks.hpp"
 #include "ringsplat/volume/reduced.hpp"
 #include "scene/dealer.hpp"
+#include "volume/forwarding_source.hpp"
 
 namespace ringsplat {
 namespace {
@@ -44,6 +45,20 @@ double share_of(const LoadOptions& options, int factor = 1) {
   return 1.0 / factor / sum;
 }
 
+/// Deals the labels of all levels as the volume is dealt, and gives them to its stores.
+void add_labels(Scene& scene, OpenedVolume& volume, LoadOptions options, const Sharing& sharing) {
+  OpenedVolume labels{volume.grid, volume.concurrent};
+  labels.grid.type = ScalarType::uint8;
+  if (volume.source) labels.source = std::make_unique<ForwardingSource>(*volume.source->labels());
+  options.with_normals = options.with_cell_ranges = options.prefilter = false;
+  options.told = {};
+  Scene dealt = deal_scene(labels, options, sharing);
+  scene.labels = std::move(dealt.values.labels);
+  std::erase(scene.labels, 0.0);
+  for (auto& [gp, store] : scene.stores)
+    store.know_labels(std::make_shared<const SliceStore>(std::move(dealt.stores.at(gp))));
+}
+
 }  // namespace
 
 Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, const Sharing& sharing) {
@@ -76,6 +91,7 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, const Sharing
       add_level(scene, {factor, options.prefilter}, volume, told_of(options, options, begun, share), sharing);
       begun += share;
     }
+  if (volume.has_labels) add_labels(scene, volume, options, sharing);
   return scene;
 }
 
@@ -129,9 +145,9 @@ OpenedVolume open_everywhere(Collectives& collectives,
   Block known;
   if (volume.source)
     known = to_bytes(volume.source->grid(), volume.source->concurrent(), volume.source->layer_depth(),
-                     volume.notes.fill);
+                     volume.notes.fill, volume.source->labels() != nullptr);
   read_block(collectives.broadcast(std::move(known), 0), "a volume's grid", volume.grid, volume.concurrent,
-             volume.layer_depth, volume.notes.fill);
+             volume.layer_depth, volume.notes.fill, volume.has_labels);
   if (!volume.concurrent) return volume;
   agree(collectives, is_first ? std::string() : input_error_of(open_it));
   require_same(collectives, volume.facts, fmt::format("sees another volume at {}", name),

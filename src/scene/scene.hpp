@@ -48,9 +48,10 @@ struct OpenedVolume {
   Grid grid;
   bool concurrent = false;
   std::unique_ptr<VolumeSource> source;
-  Facts facts = {};        ///< on process 0: identifies the volume when it is opened again
-  VolumeNotes notes = {};  ///< on process 0; elsewhere the fill value at least
-  int layer_depth = 1;     ///< the source's, on every process
+  Facts facts = {};         ///< on process 0: identifies the volume when it is opened again
+  VolumeNotes notes = {};   ///< on process 0; elsewhere the fill value at least
+  int layer_depth = 1;      ///< the source's, on every process
+  bool has_labels = false;  ///< VolumeSource::labels(), on every process
   std::string name = {};
 };
 
@@ -97,7 +98,8 @@ struct Scene {
   std::map<int, SliceStore> stores;  ///< by GP, those of this process
   ValueStatistics values;
   std::shared_ptr<const VolumeSketch> sketch;  ///< of the whole volume
-  std::vector<Scene> others;  ///< further volumes on the same grid that frames may show, as channels
+  std::vector<Scene> others;        ///< further volumes on the same grid that frames may show, as channels
+  std::vector<double> labels = {};  ///< of its segmentation but 0, ascending; none: it has none
 };
 
 /// Deals all requested levels of an opened volume to GPs and gathers its values' statistics. All processes

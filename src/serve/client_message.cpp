@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "base/srgb.hpp"
 #include "base/text.hpp"
 #include "frame/frame_geometry.hpp"
 #include "ringsplat/base/error.hpp"
@@ -250,7 +251,7 @@ json to_json(const TransferFunction& tf) {
 }
 
 json to_json(const SceneState& s) {
-  json clip, planes = json::array(), channels = json::array();
+  json clip, planes = json::array(), channels = json::array(), tints = json::array();
   for (const auto& [visible, colour, window] : s.channels)
     channels.push_back(
         {{"visible", visible}, {"colour", {colour.x, colour.y, colour.z}}, {"window", {window.x, window.y}}});
@@ -258,6 +259,10 @@ json to_json(const SceneState& s) {
     for (int k = 0; k < 3; ++k) clip.push_back({s.shown.clip->first[k], s.shown.clip->end[k]});
   for (const auto& [normal, distance] : s.shown.clip_planes)
     planes.push_back({normal.x, normal.y, normal.z, distance});
+  for (const auto& [label, light, share] : s.shown.tints) {
+    const glm::dvec3 colour = linear_to_srgb(glm::dvec3(light));
+    tints.push_back({label, colour.r, colour.g, colour.b, share});
+  }
   return {{"frame", s.frame},
           {"camera", s.shown.camera},
           {"transfer_function", to_json(s.shown.transfer_function)},
@@ -268,6 +273,7 @@ json to_json(const SceneState& s) {
           {"clip", clip},
           {"clip_planes", planes},
           {"channels", channels},
+          {"tints", tints},
           {"background", {s.background.x, s.background.y, s.background.z}}};
 }
 
@@ -306,6 +312,12 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
   const std::size_t channels = scene.channels.size();
   const json& looks = list_from(member(state, "channels"), "channels", channels, channels);
   for (std::size_t k = 0; k < channels; ++k) scene.channels[k] = channel_from(looks[k]);
+  const json& tints = list_from(member(state, "tints"), "tints", shown.tints.size(), shown.tints.size());
+  for (std::size_t k = 0; k < shown.tints.size(); ++k) {
+    const json& tint = list_from(tints[k], "a tint", 5, 5);
+    shown.tints[k].colour = srgb_to_linear(vector_from({tint[1], tint[2], tint[3]}, "a tint's colour", 0, 1));
+    shown.tints[k].share = float(number_from(tint[4], "a tint's share", 0, 1));
+  }
   return scene;
 }
 

@@ -59,6 +59,7 @@ struct ViewerOptions {
   SceneState initial;
   std::vector<std::pair<Mode, TransferFunction>> modes;  ///< that can be chosen, each with its first function
   std::vector<ShownChannel> channels;                    ///< as many as `initial` has
+  std::vector<Label> segments;               ///< of a segmentation over the volume, as `initial` tints them
   FrameSpec frame;                           ///< what all frames have in common, but for what is shown
   double target_seconds = 0.04;              ///< for a picture of a view that moves
   int largest_side = serve::largest_side();  ///< of a picture

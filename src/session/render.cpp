@@ -186,7 +186,7 @@ std::uint64_t usual_kept_bytes(const Grid& grid, int gps) {
   constexpr std::uint64_t mib = 1 << 20, in_all = 2048 * mib, at_least = 256 * mib;
   std::uint64_t all_planes = 0;
   for (const Axis axis : all_axes)
-    all_planes += plane_bytes(grid.slice_width(axis), grid.slice_height(axis), true) *
+    all_planes += plane_bytes(grid.slice_width(axis), grid.slice_height(axis), {.floats = true}) *
                   std::uint64_t(grid.dims[static_cast<int>(axis)]);
   const std::uint64_t share = std::max(in_all, 3 * std::uint64_t(grid.bytes()) / 4) / std::uint64_t(gps);
   return std::min(all_planes, std::max(at_least, share));

@@ -184,7 +184,8 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
   HWY_INLINE void paint_whole(auto kind, int t) {
     State& s = state_[t];
     const Work& w = work_[t];
-    const TableSlab slab = Unpack(w.whole);
+    TableSlab slab = Unpack(w.whole);
+    if (p_.tints != nullptr) slab = tinted(slab, slab_->front_labels, middle(s, 0, kind.pieces));
     Reflected light = unlit();
     if (p_.lit) {
       const Gradient back = gradient_behind(kind, w, kind.pieces), front = front_gradient(kind, s, w);
@@ -213,7 +214,15 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
       Entry entry = Look(p_.table, entry_of(begin), entry_of(end));
       if (may_be_whole)
         entry = {choose(w.split, entry.low, w.whole.low), choose(w.split, entry.high, w.whole.high)};
-      const TableSlab slab = Unpack(entry);
+      TableSlab slab = Unpack(entry);
+      if (p_.tints != nullptr) {
+        Position at = middle(s, i, i + 1);
+        if (may_be_whole) {
+          const Position of_all = middle(s, 0, pieces);
+          at = {choose(w.split, at.u, of_all.u), choose(w.split, at.v, of_all.v)};
+        }
+        slab = tinted(slab, 2 * i < pieces ? slab_->front_labels : slab_->back_labels, at);
+      }
       F opacity = p_.depths == nullptr ? slab.opacity : OpacityBetween(p_, begin, end);
       if (!Rays::same_lengths || w.cut || kind.face)
         opacity = Shortened(opacity, length_in_box(kind, s, w, i));
@@ -250,7 +259,7 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
       for (int k = 0; k < voxels.count(); ++k)
         numbers[k] =
             Sampler::voxel(plane, Sampler::sheet(voxels.at(k).u, voxels.at(k).v, p_.pitch, w.corner));
-      voxels.join(numbers);
+      if (p_.tints == nullptr) voxels.join(numbers);
       for (int k = 0, count = voxels.count(); k < count; ++k) {
         const F place = place_of(numbers[k]), from = max(way.enter, voxels.begin(k)),
                 part = sub(min(way.leave, voxels.end(k)), from);
@@ -258,6 +267,8 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
         if (!any(here)) continue;
         // A ValueTable is one row.
         TableSlab slab = Unpack(Look(p_.table, set_int(0), entry_of(place)));
+        if (p_.tints != nullptr)
+          slab = tinted(slab, 2 * i < kind.pieces ? slab_->front_labels : slab_->back_labels, voxels.at(k));
         F opacity = slab.opacity;
         if (!Rays::same_lengths || w.cut || kind.face || count > 1)
           opacity = Shortened(opacity, mul(piece_length(kind, s), part));
@@ -273,6 +284,15 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
         composite(s, slab, at_edges(opacity, light), light);
       }
     }
+  }
+
+  /// Half-way between two sheets.
+  HWY_INLINE Position middle(const State& s, int first, int last) const {
+    const Position a = rays_.at(s.ray, first), b = rays_.at(s.ray, last);
+    return {add(a.u, down_signed<1>(sub(b.u, a.u))), add(a.v, down_signed<1>(sub(b.v, a.v)))};
+  }
+  TableSlab tinted(const TableSlab& slab, const std::uint8_t* labels, const Position& at) const {
+    return Tinted(p_, slab, labels, at.u, at.v);
   }
 
   HWY_INLINE F at_edges(F opacity, const Reflected& light) const {

@@ -39,7 +39,7 @@ KeptBlocks::OfFrame KeptBlocks::begin_frame(const SheetFrame& frame, const Value
                             [&](const Shelf& s) { return s.blocks != nullptr && s.sort == sort; });
   if (shelf == shelves_.end()) {
     const int width = geometry.grid.slice_width(axis), height = geometry.grid.slice_height(axis);
-    const std::uint64_t plane = plane_bytes(width, height, scale.code.floats);
+    const std::uint64_t plane = plane_bytes(width, height, scale.code);
     const auto planes =
         int(std::min({std::uint64_t(geometry.slices), limit_ / plane, std::uint64_t(no_plane)}));
     if (planes == 0) return {{.live = live()}, nullptr};

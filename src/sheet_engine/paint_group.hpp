@@ -36,9 +36,11 @@ struct SheetSlab {
   const void* front = nullptr;   ///< at the slab's front
   const void* back = nullptr;    ///< at its back; at a face of the volume the same as `front`
   const void* after = nullptr;   ///< behind it
-  bool face = false;             ///< a half slice beyond the first or last one
-  int step = 0;                  ///< of its back
-  int pieces = 1;                ///< slabs in it; its sheets are 0 ... pieces
+  /// Labels of `front` and `back`, in planes of bytes; null without tints.
+  const std::uint8_t *front_labels = nullptr, *back_labels = nullptr;
+  bool face = false;  ///< a half slice beyond the first or last one
+  int step = 0;       ///< of its back
+  int pieces = 1;     ///< slabs in it; its sheets are 0 ... pieces
   std::array<std::int32_t, Traversal::most_slabs + 1> shift_u{},
       shift_v{};                                         ///< of each sheet against slice 0
   std::array<float, Traversal::most_slabs + 1> slice{};  ///< of each sheet, from the middle one, for EyeGrid
@@ -124,6 +126,9 @@ struct Projection {
   float unit = 1;
 };
 
+/// By label: colour, and the share of it. All of no label, and of those that have no tint, are 0.
+using TintTable = std::array<float, 4 * 256>;
+
 /// What all groups of a frame share.
 struct SheetPaint {
   SheetRays rays;
@@ -132,6 +137,7 @@ struct SheetPaint {
   const std::uint64_t* table =
       nullptr;                    ///< of SlabTable, or of ValueTable where values are the nearest voxels'
   float last_entry = 255;         ///< of an axis
+  const float* tints = nullptr;   ///< TintTable, where labels tint slabs
   const float* depths = nullptr;  ///< SlabTable::depths(), where opacities follow from these
   float slab_length = 1;          ///< of the table's slabs, in unit lengths
   std::ptrdiff_t pitch = 0;       ///< numbers from a plane's row to the next

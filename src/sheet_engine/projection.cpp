@@ -142,7 +142,7 @@ const glm::vec4& ProjectionColours::at(double value) const {
 }
 
 void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, const Projection& projection,
-                               const PlaneCode& code, RegionImage& image) const {
+                               const PlaneCode& code, const SliceLabels& labels, RegionImage& image) const {
   const bool surface = projection.mode == Mode::surface;
   if (surface && !projection.values) return;
   const bool extremum = takes_extremum(projection.mode);
@@ -162,9 +162,17 @@ void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, c
       // The depth behind the plane through the volume's middle, in world lengths.
       if (surface) value = g.view.project(ray.at(pixel[0], g)).z / g.view.pixels_per_unit;
       const bool there = surface ? pixel[3] > 0 : crossed > 0;
-      const glm::vec4 colour = !there              ? glm::vec4(0)
-                               : projection.values ? glm::vec4(glm::vec3(float(value)), 1)
-                                                   : at(value);
+      glm::vec4 colour = !there              ? glm::vec4(0)
+                         : projection.values ? glm::vec4(glm::vec3(float(value)), 1)
+                                             : at(value);
+      if (labels.plane != nullptr && !projection.values) {
+        const auto voxel = [&](int i) {
+          return std::clamp(std::int64_t(std::floor(ray.from[i] + 0.5)), std::int64_t{0},
+                            std::int64_t(rays.voxels[i] - 1));
+        };
+        const float* tint = labels.tints + 4 * labels.plane[voxel(1) * labels.pitch + voxel(0)];
+        colour = glm::mix(colour, colour.a * glm::vec4(tint[0], tint[1], tint[2], 1), tint[3]);
+      }
       for (int c = 0; c < 4; ++c) pixel[c] = colour[c];
     }
 }

@@ -12,6 +12,13 @@ namespace ringsplat {
 /// What a frame's rays project, in the numbers of planes.
 Projection make_projection(const SheetFrame& frame, const PlaneCode& code);
 
+/// What colours a single slice beside its values.
+struct SliceLabels {
+  const std::uint8_t* plane = nullptr;  ///< ScalarPlanes::labels(); null: there are none
+  std::ptrdiff_t pitch = 0;
+  const float* tints = nullptr;  ///< TintTable
+};
+
 /// The colours of projected values.
 class ProjectionColours {
  public:
@@ -20,7 +27,7 @@ class ProjectionColours {
   /// Turns what a region's pixels have taken, as ProjectionPainter left it, into their colours. Rays that
   /// meet the box have a value, too, where nothing was taken.
   void colour(const SheetFrame& frame, const SheetRays& rays, const Projection& projection,
-              const PlaneCode& code, RegionImage& image) const;
+              const PlaneCode& code, const SliceLabels& labels, RegionImage& image) const;
 
  private:
   const glm::vec4& at(double value) const;

@@ -77,9 +77,9 @@ Fillers make_fillers(const TransparentValues& transparent, ScalarType type, doub
   return fillers;
 }
 
-std::size_t plane_bytes(int width, int height, bool floats) {
+std::size_t plane_bytes(int width, int height, const PlaneCode& code) {
   return std::size_t(pitch_for(width)) * std::size_t(height + 2 * ScalarPlanes::margin) *
-         (floats ? sizeof(float) : sizeof(std::int16_t));
+         ((code.floats ? sizeof(float) : sizeof(std::int16_t)) + (code.labelled ? 1 : 0));
 }
 
 void ScalarPlanes::begin_frame(int width, int height, int slots, const PlaneCode& code,
@@ -96,7 +96,7 @@ void ScalarPlanes::begin_frame(int width, int height, int slots, const PlaneCode
   columns_ = CellRanges::blocks_along(width);
   rows_ = CellRanges::blocks_along(height);
   pitch_ = pitch_for(width);
-  plane_bytes_ = plane_bytes(width, height, code.floats);
+  plane_bytes_ = plane_bytes(width, height, code);
   const std::size_t bytes = plane_bytes_ * std::size_t(slots);
   if (memory_.size() != bytes) {
     memory_.clear();
@@ -124,6 +124,17 @@ const void* ScalarPlanes::plane(int step) const {
   std::byte* memory = const_cast<ScalarPlanes*>(this)->place_of_step(step).memory;
   return code_.floats ? static_cast<const void*>(origin<float>(memory))
                       : static_cast<const void*>(origin<std::int16_t>(memory));
+}
+
+/// Behind the numbers.
+std::uint8_t* ScalarPlanes::labels_of(std::byte* memory) const {
+  if (!code_.labelled) return nullptr;
+  const std::size_t labels = std::size_t(pitch_) * std::size_t(height_ + 2 * margin);
+  return reinterpret_cast<std::uint8_t*>(memory + plane_bytes_ - labels) + margin * pitch_ + margin;
+}
+
+const std::uint8_t* ScalarPlanes::labels(int step) const {
+  return labels_of(const_cast<ScalarPlanes*>(this)->place_of_step(step).memory);
 }
 
 /// Frees what is needed no more.
@@ -193,21 +204,36 @@ void ScalarPlanes::note_change(int column, int row) {
   if (row == 0 || row >= rows_ - 2) changed_columns_.include(column * side, column * side + wide(column));
 }
 
+/// Calls `change` with each row of a block's labels, where there are any.
+void ScalarPlanes::for_labels(const Place& place, std::uint32_t block, auto&& change) const {
+  if (!code_.labelled) return;
+  std::uint8_t* row = labels_of(place.memory) + place_of(block);
+  for (int y = 0; y < high(int(block) / columns_); ++y, row += pitch_)
+    change(std::span(row, std::size_t(wide(int(block) % columns_))));
+}
+
 template <class Number>
-void ScalarPlanes::fill(Number* plane, Slot& slot, std::uint32_t block, std::uint8_t with) {
-  if (slot.holds[block] == with || slot.holds[block] == voxels) return;
+void ScalarPlanes::fill(const Place& place, std::uint32_t block, std::uint8_t with) {
+  Slot& slot = place.slot;
+  if (slot.holds[block] == with) return;
+  const bool stays = slot.holds[block] == voxels;
+  for_labels(place, block, [stays](std::span<std::uint8_t> labels) {
+    for (std::uint8_t& label : labels) label = stays ? label | unneeded : 0;
+  });
+  if (stays) return;
   slot.holds[block] = with;
   const Number number =
       with == BlockState::not_a_number && !code_.floats ? Number{} : coded<Number>(code_, fillers_[with]);
   const int column = int(block) % columns_, row = int(block) / columns_;
-  Number* voxel = plane + place_of(block);
+  Number* voxel = origin<Number>(place.memory) + place_of(block);
   for (int y = 0; y < high(row); ++y) std::fill_n(voxel + y * pitch_, wide(column), number);
   note_change(column, row);
 }
 
 template <class Number>
-void ScalarPlanes::fill_all(Number* plane, Slot& slot, std::uint8_t with) {
-  const auto fill_one = [&](std::uint32_t block) { fill(plane, slot, block, with); };
+void ScalarPlanes::fill_all(const Place& place, std::uint8_t with) {
+  Slot& slot = place.slot;
+  const auto fill_one = [&](std::uint32_t block) { fill<Number>(place, block, with); };
   if (slot.elsewhere == with)
     std::for_each(slot.others.begin(), slot.others.end(), fill_one);
   else
@@ -217,14 +243,14 @@ void ScalarPlanes::fill_all(Number* plane, Slot& slot, std::uint8_t with) {
 }
 
 template <class Number, class T>
-void ScalarPlanes::put_blocks(Number* plane, Slot& slot, std::uint8_t voxels_are,
-                              const SheetPayload& payload) {
+void ScalarPlanes::put_blocks(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload) {
+  Slot& slot = place.slot;
   const std::uint8_t elsewhere = payload.header.elsewhere;
-  if (slot.elsewhere != elsewhere) fill_all(plane, slot, elsewhere);
+  if (slot.elsewhere != elsewhere) fill_all<Number>(place, elsewhere);
   auto before = slot.others.begin();
   const auto forget_up_to = [&](std::uint32_t block) {
     for (; before != slot.others.end() && *before < block; ++before) {
-      fill(plane, slot, *before, elsewhere);
+      fill<Number>(place, *before, elsewhere);
       if (slot.holds[*before] == voxels) others_.push_back(*before);
     }
     if (before != slot.others.end() && *before == block) ++before;
@@ -241,31 +267,52 @@ void ScalarPlanes::put_blocks(Number* plane, Slot& slot, std::uint8_t voxels_are
       forget_up_to(block);
       others_.push_back(block);
       if (byte < block_present) {
-        fill(plane, slot, block, byte);
-        continue;
+        fill<Number>(place, block, byte);
+      } else if ((byte & block_kept) != 0) {
+        check_kept(slot, block, payload.header.plane);
+        for_labels(place, block, [](std::span<std::uint8_t> labels) {
+          for (std::uint8_t& label : labels) label &= std::uint8_t(~unneeded);
+        });
+      } else {
+        slot.holds[block] = voxels_are;
+        note_change(column, row);
+        from = put_block<Number, T>(place, block, (byte & block_labelled) != 0, from);
       }
-      if ((byte & block_kept) != 0) {
-        if (slot.holds[block] != voxels)
-          throw RunError(fmt::format("block {} of plane {} counts as kept, but was never sent", block,
-                                     payload.header.plane),
-                         "all ranks must run the same build");
-        continue;
-      }
-      slot.holds[block] = voxels_are;
-      note_change(column, row);
-      Number* voxel = plane + place_of(block);
-      const auto place_rows = [&](auto across) {
-        for (int y = 0; y < high(row); ++y, from += std::size_t(across) * sizeof(T))
-          convert<Number, T>(from, across, code_, voxel + y * pitch_);
-      };
-      if (wide(column) == side)
-        place_rows(std::integral_constant<int, side>());
-      else
-        place_rows(wide(column));
     }
   }
   forget_up_to(blocks());
   slot.others.swap(others_);
+}
+
+void ScalarPlanes::check_kept(const Slot& slot, std::uint32_t block, int plane) {
+  if (slot.holds[block] != voxels)
+    throw RunError(fmt::format("block {} of plane {} counts as kept, but was never sent", block, plane),
+                   "all ranks must run the same build");
+}
+
+/// Returns the end of its bytes.
+template <class Number, class T>
+const std::byte* ScalarPlanes::put_block(const Place& place, std::uint32_t block, bool labelled,
+                                         const std::byte* from) const {
+  const int column = int(block) % columns_, row = int(block) / columns_;
+  Number* voxel = origin<Number>(place.memory) + place_of(block);
+  const auto place_rows = [&](auto across) {
+    for (int y = 0; y < high(row); ++y, from += std::size_t(across) * sizeof(T))
+      convert<Number, T>(from, across, code_, voxel + y * pitch_);
+  };
+  if (wide(column) == side)
+    place_rows(std::integral_constant<int, side>());
+  else
+    place_rows(wide(column));
+  if (labelled && !code_.labelled)
+    throw RunError("a block has labels in a frame without tints", "all ranks must run the same build");
+  for_labels(place, block, [&](std::span<std::uint8_t> labels) {
+    if (labelled)
+      std::memcpy(labels.data(), from, labels.size()), from += labels.size();
+    else
+      std::ranges::fill(labels, std::uint8_t{0});
+  });
+  return from;
 }
 
 template <class Number>
@@ -291,11 +338,9 @@ void ScalarPlanes::put(const Place& place, std::uint8_t voxels_are, const SheetP
                        ScalarType type) {
   changed_columns_ = changed_rows_ = {};
   with_number([&](auto number) {
-    auto* plane = origin<decltype(number)>(place.memory);
-    visit_type(type, [&](auto zero) {
-      put_blocks<decltype(number), decltype(zero)>(plane, place.slot, voxels_are, payload);
-    });
-    extrapolate_border(plane);
+    visit_type(type,
+               [&](auto zero) { put_blocks<decltype(number), decltype(zero)>(place, voxels_are, payload); });
+    extrapolate_border(origin<decltype(number)>(place.memory));
   });
 }
 
@@ -334,7 +379,7 @@ void ScalarPlanes::extrapolate_as(int step, int a, int b) {
   others_.clear();
   if (before.elsewhere == after.elsewhere && before.elsewhere != unknown) {
     // Where both hold the same filler the extrapolation is that.
-    fill_all(out, slot, before.elsewhere);
+    fill_all<Number>(to, before.elsewhere);
     std::set_union(before.others.begin(), before.others.end(), after.others.begin(), after.others.end(),
                    std::back_inserter(others_));
   } else {

@@ -40,12 +40,17 @@ class ScalarPlanes {
   void extrapolate(int step, int a, int b);
   /// Voxel (0, 0).
   const void* plane(int step) const;
+  /// Its label, in a plane of as many bytes a row; null where there are none. Of blocks that are not needed
+  /// labels are 0 or more than most_tints, whatever else is kept of them.
+  const std::uint8_t* labels(int step) const;
 
  private:
   static constexpr std::size_t least_memory = std::size_t{8} << 20;  ///< for huge pages
   /// What a block holds instead of a filler: something that another frame must not find, or its own voxels
   /// in a plane that is kept.
   static constexpr std::uint8_t unknown = 0xff, voxels = 0xfe;
+  static constexpr std::uint8_t unneeded = 0x80;  ///< a flag of labels that are kept
+  static_assert(most_tints < unneeded);
 
   /// What the blocks of a plane hold, so that a payload costs what it says and what the one before said.
   struct Slot {
@@ -80,12 +85,18 @@ class ScalarPlanes {
   void with_number(auto&& use) const { code_.floats ? use(float{}) : use(std::int16_t{}); }
   template <class Number>
   Number* origin(std::byte* memory) const;
+  std::uint8_t* labels_of(std::byte* memory) const;
   template <class Number, class T>
-  void put_blocks(Number* plane, Slot& slot, std::uint8_t voxels_are, const SheetPayload& payload);
+  void put_blocks(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload);
+  template <class Number, class T>
+  const std::byte* put_block(const Place& place, std::uint32_t block, bool labelled,
+                             const std::byte* from) const;
+  static void check_kept(const Slot& slot, std::uint32_t block, int plane);
+  void for_labels(const Place& place, std::uint32_t block, auto&& change) const;
   template <class Number>
-  void fill_all(Number* plane, Slot& slot, std::uint8_t with);
+  void fill_all(const Place& place, std::uint8_t with);
   template <class Number>
-  void fill(Number* plane, Slot& slot, std::uint32_t block, std::uint8_t with);
+  void fill(const Place& place, std::uint32_t block, std::uint8_t with);
   void note_change(int column, int row);
   template <class Number>
   void extrapolate_border(Number* plane);
@@ -117,6 +128,6 @@ class ScalarPlanes {
 };
 
 /// Bytes of one plane.
-std::size_t plane_bytes(int width, int height, bool floats);
+std::size_t plane_bytes(int width, int height, const PlaneCode& code);
 
 }  // namespace ringsplat

@@ -37,6 +37,8 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
         windows_(geometry(), frame_->reach(), frame_->reach(), frame_->reach()),
         parts_(std::size_t(renderers)) {
     check_ranges_known();
+    if (!frame_->shown.tints.empty() && whole_store_.labels() != nullptr)
+      labels_of_level_ = &whole_store_.labels()->level(frame_->shown.reduction.factor);
     const Regions& regions = geometry().regions;
     for (int region = 0; region < regions.count(); ++region) {
       const PixelRect rect = regions.rect(region);
@@ -59,6 +61,8 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
 
   void begin(int step) override {
     slice_ = slice(step);
+    if (labels_of_level_ != nullptr)
+      labels_ = labels_of_level_->slice(axis(), slice_at(step), geometry().box);
     columns_ = CellRanges::blocks_along(slice_.width);
     states_ = blocks_.of(store_, geometry().box, axis(), slice_.index, frame_->reach(), frame_->transparent);
     counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height),
@@ -110,12 +114,12 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
   struct Part {
     std::vector<Said> said;  ///< ascending
     std::uint32_t present = 0;
-    std::size_t voxels = 0;              ///< that are sent
+    std::size_t bytes = 0;               ///< of voxels that are sent
     std::span<std::uint64_t> held = {};  ///< a bit for each block: whether the Renderer keeps its voxels
     void begin() {
       said.clear();
       present = 0;
-      voxels = 0;
+      bytes = 0;
     }
     bool knows(std::uint32_t block) const { return !said.empty() && said.back().block == block; }
     bool holds(std::uint32_t block) const {
@@ -174,16 +178,29 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     const bool seen = sees(states_[block]);
     const auto voxels = std::uint64_t(block_width(column)) * std::uint64_t(block_height(row));
     (touched.empty() ? counts_.outside : counts_.visible) += voxels;
+    const std::uint8_t labelled = has_labels(column, row) ? block_labelled : 0;
+    const std::size_t bytes = voxels * (size_of(slice_.type) + (labelled != 0 ? 1 : 0));
     for_each_region(touched, [&](int region, Part& part) {
       if (hidden(region, window)) return;
       tile_marked_[std::size_t(region)] = true;
       if (part.knows(block)) return;
       const bool kept = part.holds(block);
       part.said.push_back(
-          {block, std::uint8_t(block_present | (seen ? cells_visible : 0) | (kept ? block_kept : 0))});
+          {block, std::uint8_t(block_present | (seen ? cells_visible : 0) | (kept ? block_kept : labelled))});
       ++part.present;
-      if (!kept) part.voxels += voxels;
+      if (!kept) part.bytes += bytes;
     });
+  }
+
+  /// Whether a segmentation covers some of a block.
+  bool has_labels(int column, int row) const {
+    bool some = false;
+    for (int y = 0; y < block_height(row) && labels_of_level_ != nullptr && !some; ++y) {
+      const std::byte* from = labels_.values_of_row(row * side + y) + column * side;
+      some =
+          std::any_of(from, from + block_width(column), [](std::byte label) { return label != std::byte{}; });
+    }
+    return some;
   }
 
   /// Calls `visit(region, part)` for each region in columns and rows of them that somebody draws.
@@ -226,8 +243,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     header.shelf = kept_.number;
     out.payload = Message::body_buffer();
     out.payload.reserve(out.payload.size() + sizeof header +
-                        std::size_t(rows) * (sizeof(BlockRow) + std::size_t(columns_)) +
-                        part.voxels * size_of(slice_.type));
+                        std::size_t(rows) * (sizeof(BlockRow) + std::size_t(columns_)) + part.bytes);
     append(out.payload, header);
     auto next = part.said.begin();
     for (int row = first; row < first + rows; ++row) {
@@ -236,7 +252,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
       append_row({begin, next}, out.payload);
     }
     const std::size_t before = out.payload.size();
-    out.payload.resize(before + part.voxels * size_of(slice_.type));
+    out.payload.resize(before + part.bytes);
     copy_voxels(part, out.payload.data() + before);
     out.items = part.present;
     out.passes = 1;
@@ -253,16 +269,23 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
       append(payload, column == column_of(*next) ? (next++)->byte : elsewhere_);
   }
 
-  /// Copies the voxels of the present blocks that the Renderer does not keep to `to`.
+  /// Copies the voxels of the present blocks that the Renderer does not keep, and labels, to `to`.
   void copy_voxels(const Part& part, std::byte* to) const {
-    const std::size_t scalar = size_of(slice_.type), pitch = slice_.row_pitch() * scalar;
     for (const Said& said : part.said) {
       if (said.byte < block_present || (said.byte & block_kept) != 0) continue;
       const int column = int(said.block) % columns_, row = int(said.block) / columns_;
-      const std::size_t bytes = std::size_t(block_width(column)) * scalar;
-      const std::byte* from = slice_.values_of_row(row * side) + std::size_t(column * side) * scalar;
-      for (int y = 0; y < block_height(row); ++y, from += pitch, to += bytes) std::memcpy(to, from, bytes);
+      to = copy_block(slice_, column, row, to);
+      if ((said.byte & block_labelled) != 0) to = copy_block(labels_, column, row, to);
     }
+  }
+
+  /// Returns the end of the copy.
+  std::byte* copy_block(const SliceView& slice, int column, int row, std::byte* to) const {
+    const std::size_t scalar = size_of(slice.type), bytes = std::size_t(block_width(column)) * scalar;
+    const std::byte* from = slice.values_of_row(row * side) + std::size_t(column * side) * scalar;
+    for (int y = 0; y < block_height(row); ++y, from += slice.row_pitch() * scalar, to += bytes)
+      std::memcpy(to, from, bytes);
+    return to;
   }
 
   void check_ranges_known() const {
@@ -287,8 +310,9 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
   BlockWindows windows_;
   double low_ = INFINITY, high_ = -INFINITY;  ///< of the volume's values
   std::vector<OpaqueTiles> opaque_;           ///< by region, as far as news have come
-  SliceView slice_;
-  int columns_ = 1;  ///< of blocks
+  SliceView slice_, labels_;
+  const SliceStore* labels_of_level_ = nullptr;  ///< null: there are none, or nothing is tinted by them
+  int columns_ = 1;                              ///< of blocks
   std::span<const BlockState> states_;
   int next_row_ = 0;
   std::uint8_t elsewhere_ = 0;  ///< the byte of blocks of which nothing is said

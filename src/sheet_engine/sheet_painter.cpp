@@ -139,7 +139,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     if (frame_->composites()) fill_table();
     const int wide = rays_.voxels[0], high = rays_.voxels[1];
     const auto affordable = static_cast<int>(
-        std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code.floats), most_slices_kept));
+        std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code), most_slices_kept));
     planes_.begin_frame(wide, high, std::clamp(affordable, least_slots, most_slices_kept), code,
                         make_fillers(frame_->transparent, geometry().grid.type, scale_.low, scale_.high));
     paint_ = {};
@@ -147,6 +147,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     if (frame_->composites())
       paint_.places =
           frame_->nearest() ? place_map(*frame_, scale_, values_) : place_map(*frame_, scale_, table_.axis());
+    make_tints();
     paint_.light = code.floats ? gradient_light(*frame_, largest_number(), code.scale)
                                : gradient_light(*frame_, 4095, code.scale / pair_unit);
     paint_.nearest = frame_->nearest();
@@ -166,15 +167,26 @@ class SheetPainter final : public FramePainter<SheetFrame> {
       paint_.clip_planes[std::size_t(paint_.clip_plane_count++)] = make_sheet_plane(plane, geometry());
   }
 
+  void make_tints() {
+    tints_.fill(0);
+    for (const auto& [label, colour, share] : frame_->shown.tints)
+      for (int c = 0; c < 4; ++c) tints_[std::size_t(4 * label + c)] = c < 3 ? colour[c] : share;
+    if (scale_.code.labelled && frame_->composites()) paint_.tints = tints_.data();
+  }
+
   void colour_projection() {
     // Nothing was taken where no GP had anything to say.
     if (!ready_) scale_ = {};
     const Projection projection = make_projection(*frame_, scale_.code);
     colours_.set_function(frame_->shown.transfer_function, frame_->shown.mode);
+    // The place of a single slice is where a ray meets it.
+    const SliceLabels labels = geometry().slices == 1 && step_ == 0 && scale_.code.labelled
+                                   ? SliceLabels{planes_.labels(0), planes_.pitch(), tints_.data()}
+                                   : SliceLabels{};
     std::atomic<std::size_t> next = 0;
     threads_.run(threads_.size(), [&](int) {
       for (std::size_t slot = next++; slot < images_.count(); slot = next++)
-        colours_.colour(*frame_, rays_, projection, scale_.code, images_.image(slot));
+        colours_.colour(*frame_, rays_, projection, scale_.code, labels, images_.image(slot));
     });
   }
 
@@ -242,6 +254,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
       const int back = std::min(slab.step, last), front = std::max(slab.step - 1, 0);
       slab.front = planes_.plane(front);
       slab.back = planes_.plane(back);
+      slab.front_labels = planes_.labels(front);
+      slab.back_labels = planes_.labels(back);
       slab.before = planes_.plane(slab.step == last + 1 ? last - 1 : front - 1);
       slab.after = planes_.plane(slab.step == 0 ? 1 : back + 1);
       // The one slice of a volume has itself on both sides.
@@ -314,6 +328,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   ValueTable values_;  ///< instead, where values are the nearest voxels'
   ScalarPlanes planes_;
   SheetPaint paint_;
+  TintTable tints_{};
   bool ready_ = false;  ///< tables and planes are the frame's
   std::optional<SheetPayload> payload_;
   int step_ = 0;

@@ -30,7 +30,7 @@ SheetPayload read_sheet_payload(std::span<const std::byte> body, int width, int 
     throw no_payload("has rows of blocks outside the slice");
   if (header.shelf.shelf >= ShelfNumber::shelves) throw no_payload("is for a shelf that there is not");
   std::uint32_t present = 0;
-  std::size_t voxels = 0;
+  std::size_t bytes_of_voxels = 0;
   for (int row = 0; row < header.rows; ++row) {
     BlockRow& blocks = payload.rows.emplace_back();
     if (!take(body, at, blocks) || blocks.first > blocks.end || blocks.end > columns ||
@@ -42,18 +42,20 @@ SheetPayload read_sheet_payload(std::span<const std::byte> body, int width, int 
     const int rows_here = std::min(side, height - (header.first_row + row) * side);
     for (int column = blocks.first; column < blocks.end; ++column) {
       const std::uint8_t byte = bytes[column - blocks.first];
-      const int flags = cells_visible | (header.plane != no_plane ? block_kept : 0);
+      const int flags = cells_visible | ((byte & block_kept) == 0 ? block_labelled : 0) |
+                        (header.plane != no_plane ? block_kept : 0);
       if ((byte & ~flags) != block_present && byte > BlockState::not_a_number)
         throw no_payload("says of a block what cannot be");
       if (byte < block_present) continue;
       ++present;
       if ((byte & block_kept) != 0) continue;
-      voxels += std::size_t(rows_here) * std::size_t(std::min(side, width - column * side));
+      const auto here = std::size_t(rows_here) * std::size_t(std::min(side, width - column * side));
+      bytes_of_voxels += here * (size_of(type) + ((byte & block_labelled) != 0 ? 1 : 0));
     }
   }
-  if (present != header.present || body.size() - at != voxels * size_of(type))
+  if (present != header.present || body.size() - at != bytes_of_voxels)
     throw no_payload(fmt::format("has {} bytes of voxels where {} blocks have {}", body.size() - at, present,
-                                 voxels * size_of(type)));
+                                 bytes_of_voxels));
   payload.voxels = body.subspan(at);
   return payload;
 }

@@ -19,7 +19,8 @@ inline constexpr std::uint16_t no_plane = 0xffff;
 
 /// A slice's payload for one Renderer: a SheetHeader, then for each of `rows` rows of blocks from `first_row`
 /// on a BlockRow and a byte for each of its blocks, then the voxels of all present blocks that are not kept,
-/// in order, each row by row in the volume's own type. Blocks of which nothing is said are as `elsewhere`.
+/// in order, each row by row in the volume's own type, and behind those of a labelled block its labels, of 8
+/// bits. Blocks of which nothing is said are as `elsewhere`.
 struct SheetHeader {
   double low = 0, high = 0;   ///< of the volume's (the level's) values; low > high: all are not-a-number
   std::uint32_t present = 0;  ///< blocks that can be seen
@@ -36,9 +37,10 @@ struct BlockRow {
 };
 
 /// A block's byte: the interval of transparent values that holds it (BlockState::transparent), or flags.
-inline constexpr std::uint8_t block_present = 0x80;  ///< it can be seen; its voxels follow unless it is kept
-inline constexpr std::uint8_t cells_visible = 0x40;  ///< its cells before the next step's slice may be seen
-inline constexpr std::uint8_t block_kept = 0x20;     ///< its voxels are in the plane, from an earlier frame
+inline constexpr std::uint8_t block_present = 0x80;   ///< it can be seen; its voxels follow unless it is kept
+inline constexpr std::uint8_t cells_visible = 0x40;   ///< its cells before the next step's slice may be seen
+inline constexpr std::uint8_t block_kept = 0x20;      ///< its voxels are in the plane, from an earlier frame
+inline constexpr std::uint8_t block_labelled = 0x10;  ///< its labels follow, too; else they are 0
 
 /// A payload taken apart; its spans look into the payload.
 struct SheetPayload {

@@ -40,6 +40,27 @@ HWY_INLINE TableSlab Unpack(const Entry& e) {
           mul(set(1.0F / 127), to_float(both(down<22>(high), set_int(63))))};
 }
 
+/// Positions of the voxels nearest to lanes, the outer ones beyond them.
+HWY_INLINE I NearestVoxel(I position, int voxels) {
+  const I within = min(max(position, set_int(0)), set_int((voxels - 1) << position_bits));
+  return down_signed<position_bits>(add(within, set_int(one_voxel / 2)));
+}
+
+/// A slab in the colours of its lanes' labels.
+HWY_NOINLINE TableSlab Tinted(const SheetPaint& paint, TableSlab slab, const std::uint8_t* labels, I u, I v) {
+  const I row = mul(NearestVoxel(v, paint.rays.voxels[1]), set_int(std::int32_t(paint.pitch)));
+  const I label = both(gather_int(labels, add(row, NearestVoxel(u, paint.rays.voxels[0]))), set_int(255));
+  if (!any(greater(label, set_int(0)))) return slab;
+  const I entry = up<2>(label);
+  const F share = gather(paint.tints + 3, entry);
+  const auto mix = [&](F& colour, int c)
+                       HWY_ATTR { colour = fma(share, sub(gather(paint.tints + c, entry), colour), colour); };
+  mix(slab.red, 0);
+  mix(slab.green, 1);
+  mix(slab.blue, 2);
+  return slab;
+}
+
 /// What SlabTable::Depth says of a place: the depth as a sum, and how fast it grows with places.
 struct Reached {
   F whole, rest, density;

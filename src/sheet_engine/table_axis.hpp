@@ -40,6 +40,7 @@ struct TableAxis {
 /// 16 bits or as floats.
 struct PlaneCode {
   bool floats = false;
+  bool labelled = false;  ///< beside each plane lies one of a segmentation's labels
   double offset = 0, scale = 1;
   /// What stands for infinite values: values beyond the transfer function's ends.
   double below = 0, above = 0;

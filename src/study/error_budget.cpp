@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <utility>
 #include <variant>
 
@@ -274,7 +275,7 @@ WholeVolume read_whole(VolumeSource& source) {
             "a truth needs the whole volume in one process, {:.1f} GiB, but the machine has {:.1f} GiB",
             needed / (1 << 30), machine / (1 << 30)),
         "measure on a smaller volume");
-  WholeVolume volume{{grid, truth::read_values(source)}, {}};
+  WholeVolume volume{{grid, truth::read_values(source)}, {}, {}};
   const Pass pass = [&, of_slice = std::ptrdiff_t(grid.slice_voxels(Axis::z))](const RowVisitor& visit) {
     visit_type(grid.type, [&](auto zero) {
       for (auto at = volume.scene.values.begin(); at != volume.scene.values.end(); at += of_slice) {
@@ -283,6 +284,11 @@ WholeVolume read_whole(VolumeSource& source) {
       }
     });
   };
+  if (VolumeSource* const labels = source.labels()) {
+    volume.scene.labels = truth::read_labels(*labels);
+    const std::set<double> there(volume.scene.labels.begin(), volume.scene.labels.end());
+    volume.labels.assign(there.begin(), there.end());
+  }
   volume.statistics = describe_values(grid, source.notes(), pass);
   return volume;
 }

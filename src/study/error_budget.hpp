@@ -69,7 +69,8 @@ std::optional<Shortcuts> more_exact(std::span<const MeasuredShortcuts> measured,
 /// the scene's owner sets.
 struct WholeVolume {
   truth::Scene scene;
-  ValueStatistics statistics;  ///< the same as load_scene's, so that presets are the same
+  ValueStatistics statistics;       ///< the same as load_scene's, so that presets are the same
+  std::vector<double> labels = {};  ///< of its segmentation, each once, ascending
 };
 /// Throws InputError when the volume is unreadable or exceeds this machine's memory.
 WholeVolume read_whole(VolumeSource& source);

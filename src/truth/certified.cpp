@@ -290,8 +290,10 @@ std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pi
   if (scene.frame.shown.mode != Mode::composite)
     throw InputError("only --mode composite has certified bounds",
                      "measure other modes by --error field: they are exact but for float32");
-  if (!scene.frame.shown.clip_planes.empty() || scene.frame.shown.edges)
-    throw InputError("certified bounds know neither --clip-plane nor --tf2d", "measure by --error field");
+  const Shown& shown = scene.frame.shown;
+  if (!shown.clip_planes.empty() || shown.edges || !shown.tints.empty())
+    throw InputError("certified bounds know no --clip-plane, --tf2d or --mask-as",
+                     "measure by --error field");
   if (scene.frame.shown.clip) return certified_bounds(cropped(scene), pixels, width, most_pieces);
   const Certifier certifier(scene, width, most_pieces);
   return along_rays(scene, pixels, [&](Pixel pixel) { return certifier.along(pixel); });

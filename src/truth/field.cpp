@@ -32,7 +32,9 @@ class FieldIntegrator : Tracer {
       const double value = projected(ray);
       if (scene_.frame.shown.values) return Rgba(glm::dvec3(value), 1);
       const auto sample = curve_.at(value);
-      return Rgba(sample.colour * sample.opacity, sample.opacity);
+      glm::dvec3 colour = sample.colour;
+      if (is_slice()) colour = tints_.on(colour, ray.at(0.5 * (ray.enter + ray.leave)));
+      return Rgba(colour * sample.opacity, sample.opacity);
     }
     Piece seen;
     for (const Crossing& crossing : crossings(ray)) {
@@ -59,6 +61,11 @@ class FieldIntegrator : Tracer {
     if (!values) return std::nullopt;
     return cubic_along(crossing.enter, crossing.leave,
                        [&](double s) { return values->at(ray.at(s) - glm::dvec3(crossing.corner)); });
+  }
+
+  bool is_slice() const {
+    const glm::ivec3& dims = scene_.grid.dims;
+    return std::min({dims.x, dims.y, dims.z}) == 1;
   }
 
   /// A ray's extremum, mean or integral.
@@ -162,14 +169,15 @@ class FieldIntegrator : Tracer {
     const auto value_at = [&](double s) { return values->at(place(s)); };
     const auto medium_at = [&](double s) {
       const auto sample = curve_.at(value_at(s));
-      Medium medium{extinction(sample.opacity), sample.colour};
+      Medium medium{extinction(sample.opacity), tints_.on(sample.colour, ray.at(s))};
       if (!scene_.needs_gradients() || !(sample.opacity > 0)) return medium;
       const glm::dvec3 normal = trilinear(normals, place(s));
       medium.extinction = gradients_.left_at_edge(medium.extinction, normal);
       if (scene_.shaded()) medium.colour = phong_.shade(medium.colour, normal, ray.to_viewer);
       return medium;
     };
-    const auto cuts = smooth_pieces(crossing, place, value_at, normals, ray.to_viewer);
+    auto cuts = smooth_pieces(crossing, place, value_at, normals, ray.to_viewer);
+    if (tints_.any()) cut_at_voxels(ray, crossing, cuts);
     for (std::size_t i = 0; i + 1 < cuts.size() && seen.transmittance >= 0.1 * tolerance_; ++i) {
       const double a = cuts[i], b = cuts[i + 1];
       if (!(a < b)) continue;
@@ -197,6 +205,15 @@ class FieldIntegrator : Tracer {
     return cuts;
   }
 
+  /// Adds where the nearest voxel changes.
+  static void cut_at_voxels(const LatticeRay& ray, const Crossing& crossing, std::vector<double>& cuts) {
+    for (int k = 0; k < 3; ++k) {
+      const double s = (crossing.corner[k] + 0.5 - ray.origin[k]) / ray.step[k];
+      if (s > crossing.enter && s < crossing.leave) cuts.push_back(s);
+    }
+    std::ranges::sort(cuts);
+  }
+
   double tolerance_;
   Gradients gradients_;
 };
@@ -214,7 +231,8 @@ ScreenBounds field_bounds(const Scene& scene) { return Rays(scene).bounds(); }
 std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, std::span<const Pixel> pixels,
                                  double tolerance) {
   const Shown& shown = scene.frame.shown;
-  if (shown.edges) throw InputError("a formula's truth knows no --tf2d", "leave it out");
+  if (shown.edges || !shown.tints.empty())
+    throw InputError("a formula's truth knows neither --tf2d nor --mask-as", "leave it out");
   if (shown.clip) check(*shown.clip, scene.grid);
   const Tracer tracer(scene);
   const glm::dvec3 dims(scene.grid.dims);

@@ -86,7 +86,8 @@ struct Tracer {
       : scene_(scene),
         rays_(scene),
         curve_(scene.frame.shown.transfer_function),
-        phong_(scene, rays_.view()) {}
+        phong_(scene, rays_.view()),
+        tints_(scene) {}
   /// From slice to slice of an axis along the ray, as it counts: in unit lengths, or one without correction.
   double slice_length(const LatticeRay& ray, int axis) const {
     return scene_.frame.shown.opacity_correction ? 1 / std::abs(ray.step[axis]) : 1.0;
@@ -95,6 +96,7 @@ struct Tracer {
   Rays rays_;
   TransferCurve curve_;
   Phong phong_;
+  Tints tints_;
 };
 
 /// along(pixel) of each pixel, on all cores; calls Scene::poll meanwhile.

@@ -38,13 +38,24 @@ Scene cropped(const Scene& scene) {
   part.cut_from = {{dims, scene.grid.spacing, scene.grid.origin, scene.grid.direction}, first};
   part.grid.dims = end - first;
   part.grid.origin = scene.grid.origin + scene.grid.direction * (scene.grid.spacing * glm::dvec3(first));
-  part.values.clear();
-  for (int z = first.z; z < end.z; ++z)
-    for (int y = first.y; y < end.y; ++y) {
-      const auto row = scene.values.begin() + (std::ptrdiff_t(z) * dims.y + y) * dims.x;
-      part.values.insert(part.values.end(), row + first.x, row + end.x);
-    }
+  const auto crop = [&](auto& all) {
+    auto to = all.begin();
+    for (int z = first.z; z < end.z && !all.empty(); ++z)
+      for (int y = first.y; y < end.y; ++y) {
+        const auto row = all.begin() + (std::ptrdiff_t(z) * dims.y + y) * dims.x;
+        to = std::copy(row + first.x, row + end.x, to);
+      }
+    all.resize(std::size_t(to - all.begin()));
+  };
+  crop(part.values);
+  crop(part.labels);
   return part;
+}
+
+std::vector<std::uint8_t> read_labels(VolumeSource& labels) {
+  std::vector<std::uint8_t> all(std::size_t(labels.grid().voxels()));
+  labels.read_slices(0, labels.grid().dims.z, std::as_writable_bytes(std::span(all)));
+  return all;
 }
 
 std::vector<double> read_values(VolumeSource& source) {
@@ -109,6 +120,19 @@ double TransferCurve::bounded(double value) const {
   if (!std::isinf(value)) return value;
   const double margin = 1 + std::abs(value > 0 ? knots_.back() : knots_.front());
   return value > 0 ? knots_.back() + margin : knots_.front() - margin;
+}
+
+Tints::Tints(const Scene& scene) : scene_(scene), any_(!scene.labels.empty()) {
+  for (const Tint& tint : scene.frame.shown.tints)
+    of_label_[std::size_t(tint.label)] = {glm::dvec3(tint.colour), tint.share};
+}
+
+glm::dvec3 Tints::on(const glm::dvec3& colour, const glm::dvec3& point) const {
+  if (!any_) return colour;
+  const glm::ivec3 voxel =
+      glm::clamp(glm::ivec3(glm::floor(point + 0.5)), glm::ivec3(0), scene_.grid.dims - 1);
+  const glm::dvec4& tint = of_label_[scene_.labels[scene_.index(voxel)]];
+  return glm::mix(colour, glm::dvec3(tint), tint.w);
 }
 
 Phong::Phong(const Scene& scene, const ViewTransform& view)

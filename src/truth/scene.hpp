@@ -1,5 +1,7 @@
 #pragma once
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <glm/common.hpp>
 #include <glm/mat3x3.hpp>
@@ -34,6 +36,7 @@ struct Scene {
     glm::ivec3 first;
   };
   std::optional<CutFrom> cut_from = std::nullopt;
+  std::vector<std::uint8_t> labels = {};  ///< a segmentation's, as many as `values`; none: there is none
   bool shaded() const { return frame.shown.shading == Shading::phong; }
   bool needs_gradients() const { return shaded() || frame.shown.edges; }
   bool of_sheets() const { return std::holds_alternative<Sheets>(frame.how); }
@@ -53,6 +56,7 @@ Scene cropped(const Scene& scene);
 
 /// The whole volume as doubles: 8 bytes a voxel.
 std::vector<double> read_values(VolumeSource& source);
+std::vector<std::uint8_t> read_labels(VolumeSource& labels);
 
 struct Pixel {
   int x, y;
@@ -99,6 +103,20 @@ class TransferCurve {
  private:
   std::vector<double> colour_values_, opacity_values_, opacities_, knots_;
   std::vector<glm::dvec3> colours_;
+};
+
+/// A scene's labels' colours, as Shown::tints has them.
+class Tints {
+ public:
+  explicit Tints(const Scene& scene);
+  bool any() const { return any_; }
+  /// A colour in the voxel nearest to a lattice point.
+  glm::dvec3 on(const glm::dvec3& colour, const glm::dvec3& point) const;
+
+ private:
+  const Scene& scene_;
+  bool any_;
+  std::array<glm::dvec4, 256> of_label_{};  ///< and its share
 };
 
 /// Phong's reflection (Phong 1975) as the renderer defines it: white light, two-sided, colours clamped to 1;

@@ -161,7 +161,10 @@ class SheetTracer : Tracer {
     if (!ends.front || !ends.back) return;
     const auto [low, high] = std::minmax({*ends.front, *ends.back});
     if (!curve_.visible(low, high)) return;
-    const SlabIntegral slab = integrate_slab(curve_, *ends.front, *ends.back, length(ray, front, back));
+    SlabIntegral slab = integrate_slab(curve_, *ends.front, *ends.back, length(ray, front, back));
+    // Of slices that are equally near the front one counts.
+    constexpr double middle = 0.5 - 1e-9;
+    slab.colour = tints_.on(slab.colour, glm::mix(meets(ray, front.z), meets(ray, back.z), middle));
     const double opacity =
         part < 1 && slab.opacity < 1 ? -std::expm1(part * std::log1p(-slab.opacity)) : slab.opacity;
     composite(ray, slab, opacity, front, back, seen);
@@ -173,12 +176,14 @@ class SheetTracer : Tracer {
     for (std::size_t i = 0, next; i + 1 < faces.size(); i = next) {
       const auto value = value_between(ray, front, back, faces[i], faces[i + 1]);
       for (next = i + 1; next + 1 < faces.size(); ++next)
-        if (value_between(ray, front, back, faces[next], faces[next + 1]) != value) break;
+        if (tints_.any() || value_between(ray, front, back, faces[next], faces[next + 1]) != value) break;
       const double from = faces[i], part = faces[next] - from;
       if (!value) continue;
       SlabIntegral slab = integrate_slab(curve_, *value, *value, part * length(ray, front, back));
       slab.centroid = from + part * slab.centroid;
       slab.spread *= part;
+      slab.colour =
+          tints_.on(slab.colour, glm::mix(meets(ray, front.z), meets(ray, back.z), from + 0.5 * part));
       composite(ray, slab, slab.opacity, front, back, seen);
     }
   }

@@ -28,6 +28,7 @@ class ForwardingSource : public VolumeSource {
   int layer_depth() const override { return source_.layer_depth(); }
   VolumeNotes notes() const final { return notes_ ? *notes_ : source_.notes(); }
   Facts facts() const override { return source_.facts(); }
+  VolumeSource* labels() override { return source_.labels(); }
 
  protected:
   VolumeSource& source_;

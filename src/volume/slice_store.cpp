@@ -127,6 +127,7 @@ std::uint64_t SliceStore::allocated_bytes() const {
     if (normals) bytes += normals->capacity() * sizeof(std::uint16_t);
   }
   for (const auto& [factor, level] : levels_) bytes += level.allocated_bytes();
+  if (labels_) bytes += labels_->allocated_bytes();
   return bytes;
 }
 

@@ -84,6 +84,10 @@ class SliceStore {
   /// This store for factor 1. Throws RunError when there is no such level.
   const SliceStore& level(int factor) const;
 
+  /// A segmentation's labels of all voxels, of 8 bits, with as many levels; null: there is none.
+  void know_labels(std::shared_ptr<const SliceStore> labels) { labels_ = std::move(labels); }
+  const SliceStore* labels() const { return labels_.get(); }
+
   /// The value ranges of all slices of an axis, other GPs' too; none when unknown.
   void know_ranges(std::shared_ptr<const SliceRanges> ranges) { ranges_ = std::move(ranges); }
   const std::vector<SliceRange>& ranges(Axis axis) const { return (*ranges_)[std::size_t(axis)]; }
@@ -115,6 +119,7 @@ class SliceStore {
   VoxelBox normals_within_;
   std::array<Set, 3> sets_;
   std::map<int, SliceStore> levels_;  ///< by factor
+  std::shared_ptr<const SliceStore> labels_;
   std::shared_ptr<const SliceRanges> ranges_ = std::make_shared<const SliceRanges>();
   std::array<std::map<int, std::shared_ptr<const CellRanges>>, 3> cell_ranges_;  ///< by axis and slice
 };

@@ -180,3 +180,46 @@ class Labels(WithPage):
         self.page.click("all-labels")
         self.page.wait("document.querySelectorAll('#label-list :checked').length === 5")
         self.assertEqual(self.opacities(), [0] + 5 * [0.9])
+
+
+class Segments(WithPage):
+    @classmethod
+    def setUpClass(cls):
+        cls.volume = staticmethod(lambda: cls.path)
+        cls.path = os.path.join(browser_test.scratch, "scan.nrrd")
+        browser_test.run("synth", "ball", "-o", cls.path, "--dims", "24x24x24")
+        cls.options = ("--tf", "grey", "--shading", "none", "--mask", segmentation(), "--mask-as", "tint")
+        super().setUpClass()
+
+    def tints(self):
+        return self.page.facts("state.tints")
+
+    def rows(self, what):
+        return self.page.js("return [...document.querySelectorAll('#label-list li')].map(r => r.querySelector(arguments[0]))", what)
+
+    def test_labels_are_listed_beside_the_curve_hidden_and_coloured(self):
+        self.assertTrue(self.page.find("curve").is_displayed())
+        self.assertEqual([row.text for row in self.rows(".tick")],
+                         ["liver", "spleen", "left kidney", "right kidney", "label 5"])
+        self.assertEqual([label for label, *_ in self.tints()], [1, 2, 3, 4, 5])
+        tinted = self.page.measure()
+        self.page.click("no-labels")
+        self.page.settle()
+        self.assertEqual([share for *_, share in self.tints()], 5 * [0])
+        plain = self.page.measure()
+        self.assertEqual(plain["n"], tinted["n"])
+        red, green, blue = plain["mean"]
+        self.assertAlmostEqual(red, blue, delta=2)  # grey
+        self.page.click("all-labels")
+        for colour in self.rows("[type=color]"):
+            self.page.js("arguments[0].value = '#ff0000'; arguments[0].dispatchEvent(new Event('change'))", colour)
+        self.page.settle()
+        red, green, blue = self.page.measure()["mean"]
+        self.assertGreater(red, 1.2 * green)
+        self.rows("[type=checkbox]")[2].click()
+        self.page.settle()
+        self.assertEqual([share > 0 for *_, share in self.tints()], [True, True, False, True, True])
+        self.page.wait("location.hash.includes('tints')")
+        tints = self.tints()
+        self.page.show(self.server.url + "&" + self.page.js("return location.hash.slice(1)"))
+        self.assertEqual([round(share, 3) for *_, share in self.tints()], [round(share, 3) for *_, share in tints])

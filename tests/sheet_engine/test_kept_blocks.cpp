@@ -172,7 +172,7 @@ TEST_CASE("shelves that were not used for longest make room, and come back empty
 TEST_CASE("a Renderer keeps its share of 2 GiB or of a quarter of all slices, and no more than all planes") {
   constexpr std::uint64_t mib = 1 << 20;
   const Grid large = make_grid({1024, 1024, 1024}), huge = make_grid({4096, 4096, 1024});
-  CHECK(usual_kept_bytes(make_grid({100, 100, 100}), 1) == 3 * 100 * plane_bytes(100, 100, true));
+  CHECK(usual_kept_bytes(make_grid({100, 100, 100}), 1) == 3 * 100 * plane_bytes(100, 100, {.floats = true}));
   CHECK(usual_kept_bytes(large, 2) == 1024 * mib);
   CHECK(usual_kept_bytes(large, 64) == 256 * mib);
   CHECK(usual_kept_bytes(huge, 4) == 3 * std::uint64_t(huge.bytes()) / 4 / 4);

@@ -6,6 +6,7 @@
 
 #include "session/render_frames.hpp"
 #include "support/memory_source.hpp"
+#include "volume/forwarding_source.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::test {
@@ -44,20 +45,8 @@ inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, 
                                    const EngineOptions& engine = {}) {
   SoloCollectives solo;
   const Wiring wiring{solo, nullptr, loopback};
-  // Refers to the caller's source without owning it.
-  class Borrowed final : public VolumeSource {
-   public:
-    explicit Borrowed(VolumeSource& s) : s_(s) {}
-    const Grid& grid() const override { return s_.grid(); }
-    bool concurrent() const override { return s_.concurrent(); }
-    void read_slices(int first, int count, std::span<std::byte> out) override {
-      s_.read_slices(first, count, out);
-    }
-
-   private:
-    VolumeSource& s_;
-  };
-  OpenedVolume volume{source.grid(), source.concurrent(), std::make_unique<Borrowed>(source)};
+  OpenedVolume volume{source.grid(), source.concurrent(), std::make_unique<ForwardingSource>(source)};
+  volume.has_labels = source.labels() != nullptr;
   Scene scene = load_scene(volume, needed_to_render(spec, volume.grid), layout, wiring);
   FrameResult result;
   const auto keep = [&result](FrameResult&& r) { result = std::move(r); };

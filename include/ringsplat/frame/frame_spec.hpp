@@ -51,6 +51,15 @@ struct EdgeOpacity {
   bool operator==(const EdgeOpacity&) const = default;
 };
 
+/// The colour, in linear light, that a segmentation's label gives to what it covers: in place of so large a
+/// share of the transfer function's. Opacities stay as they are.
+struct Tint {
+  int label = 1;  ///< 1 to most_tints
+  glm::vec3 colour{1.0F};
+  float share = 1;
+  bool operator==(const Tint&) const = default;
+};
+
 /// What a picture shows, whatever draws it.
 struct Shown {
   Camera camera;
@@ -75,6 +84,9 @@ struct Shown {
   std::vector<ClipPlane> clip_planes = {};  ///< at most two, which only sheets can show
   static constexpr std::size_t most_clip_planes = 2;
   std::optional<EdgeOpacity> edges = std::nullopt;  ///< for sheets' light, Mode::composite
+  /// Of a volume that was loaded with a segmentation, in sheets' Mode::composite and single slices: a slab,
+  /// or a slice's place, has the label of the voxel nearest to its middle.
+  std::vector<Tint> tints = {};
   bool operator==(const Shown&) const = default;
 };
 
@@ -141,7 +153,7 @@ struct FrameSpec {
 
 /// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
 /// zero, a threshold outside [0, 1), words with less than float precision, a projection, a mode, clip
-/// planes or edges that the method has not.
+/// planes, edges or tints that the method has not.
 void check(const FrameSpec& spec);
 /// Throws InputError when the method cannot draw the camera's kind of view.
 void check_projection(const Camera& camera, const Method& method);

@@ -43,6 +43,9 @@ struct VolumeNotes {
   std::vector<std::string> series = {};
 };
 
+/// As many labels of a segmentation are told apart over a volume.
+inline constexpr int most_tints = 127;
+
 /// A source of voxels, read by whole z slices.
 class VolumeSource {
  public:
@@ -63,6 +66,10 @@ class VolumeSource {
   virtual int layer_depth() const { return 1; }
 
   virtual VolumeNotes notes() const { return {}; }
+
+  /// The labels that a segmentation gives to its voxels, of 8 bits on its grid; null: it has none. The source
+  /// keeps it. They are 0, for none, to most_tints.
+  virtual VolumeSource* labels() { return nullptr; }
 
   /// Facts that must be the same, beside the grid, on all processes that read one volume: encoding, files,
   /// their sizes, hashes of their first and last bytes. None for a source without files. Throws InputError

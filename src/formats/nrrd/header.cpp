@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <optional>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -321,19 +323,24 @@ NrrdHeader read_nrrd_header(const std::filesystem::path& path) {
   return header;
 }
 
-std::map<double, std::string> label_names(const std::filesystem::path& file) try {
+std::map<double, LabelNotes> label_notes(const std::filesystem::path& file) try {
   constexpr std::string_view of_value = "_LabelValue";
   constexpr std::size_t longest = 4096;
-  std::map<double, std::string> names;
+  std::map<double, LabelNotes> notes;
   const NrrdFields fields(file);
   for (const auto& [key, text] : fields.pairs()) {
     if (!key.starts_with("Segment") || !key.ends_with(of_value)) continue;
-    const auto name = fields.pairs().find(key.substr(0, key.size() - of_value.size()) + "_Name");
+    const auto said = [&](const char* what) {
+      const auto pair = fields.pairs().find(key.substr(0, key.size() - of_value.size()) + what);
+      return pair != fields.pairs().end() && pair->second.size() < longest ? pair->second : std::string();
+    };
     const auto value = number_in<double>(trimmed(text));
-    if (value && name != fields.pairs().end() && name->second.size() < longest)
-      names[*value] = printable(name->second);
+    LabelNotes label{printable(said("_Name")), {}};
+    std::istringstream colour(said("_Color"));
+    if (glm::dvec3 rgb; colour >> rgb.r >> rgb.g >> rgb.b) label.colour = glm::clamp(rgb, 0.0, 1.0);
+    if (value && (label.colour || !label.name.empty())) notes[*value] = std::move(label);
   }
-  return names;
+  return notes;
 } catch (const InputError&) {
   return {};
 }

@@ -125,7 +125,7 @@ class App {
     this.series.begin();
     this.runs.begin();
     this.transfer.begin(hello);
-    this.labels.begin(volume.labels);
+    this.labels.begin(volume.labels, hello.segments, hello.state.tints);
     this.channels.begin(hello.channels);
     this.film.begin(hello.ffmpeg, resumes);
     this.snapshots.begin(hello.largest);
@@ -214,10 +214,11 @@ class App {
   takeState(given) {
     this.scene.change(this.fitting(given));
   }
-  /** A scene may come from a longer series, or a volume with other channels. */
+  /** A scene may come from a longer series, or a volume with other channels or labels. */
   fitting(state) {
-    const { channels, frame, ...rest } = state ?? {};
+    const { channels, frame, tints, ...rest } = state ?? {};
     if (channels?.length === this.hello.channels.length) rest.channels = channels;
+    if (tints?.length === this.hello.segments.length) rest.tints = tints;
     if (frame !== undefined) rest.frame = Math.min(frame, this.hello.frames.length - 1);
     return rest;
   }
@@ -335,7 +336,7 @@ class App {
     this.changed = new Set();
     if (!this.scene.state) return;
     if (keys.has('transfer_function') || keys.has('isovalue')) this.transfer.refresh();
-    if (keys.has('transfer_function')) this.labels.refresh();
+    if (keys.has('transfer_function') || keys.has('tints')) this.labels.refresh();
     if (keys.has('channels')) this.channels.refresh();
     if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
     if (keys.has('clip')) this.clipPanel.refresh();

@@ -26,6 +26,7 @@ const checks = {
   background: isRgb,
   channels: (all) => Array.isArray(all) && all.every((c) => typeof c?.visible === 'boolean' && isRgb(c.colour) &&
     isNumbers(c.window, 2) && c.window[0] <= c.window[1]),
+  tints: (all) => Array.isArray(all) && all.every((tint) => isNumbers(tint, 5) && isRgb(tint.slice(1, 4))),
   frame: (f) => Number.isInteger(f) && f >= 0,
 };
 

@@ -1,4 +1,4 @@
-#include "volume/masked.hpp"
+#include "volume/segmented.hpp"
 
 #include <cmath>
 #include <memory>
@@ -76,13 +76,14 @@ void check_voxels(VolumeSource& masked, Shown shown, Outside is_outside) {
 
 TEST_CASE("a mask keeps what has a label, or one of some, and empties all else") {
   const auto is_zero = [](auto value) { return value == 0; };
-  const auto all = masked_source(numbered<std::uint16_t>(ScalarType::uint16), labelled(), {});
+  const auto all = segmented_source(numbered<std::uint16_t>(ScalarType::uint16), labelled(), {});
   check_voxels<std::uint16_t>(
       *all, [](int x, int y, int z) { return label_at(x, y, z) != 0; }, is_zero);
-  const auto some = masked_source(numbered<std::uint16_t>(ScalarType::uint16), labelled(), {{1, 1}, {3, 9}});
+  const auto some =
+      segmented_source(numbered<std::uint16_t>(ScalarType::uint16), labelled(), {{1, 1}, {3, 9}});
   check_voxels<std::uint16_t>(
       *some, [](int x, int y, int z) { return label_at(x, y, z) == 1 || label_at(x, y, z) == 3; }, is_zero);
-  const auto background = masked_source(numbered<std::uint16_t>(ScalarType::uint16), labelled(), {{0, 0}});
+  const auto background = segmented_source(numbered<std::uint16_t>(ScalarType::uint16), labelled(), {{0, 0}});
   check_voxels<std::uint16_t>(
       *background, [](int, int, int z) { return z < 2; }, is_zero);
   // Whatever slices are asked for.
@@ -94,16 +95,16 @@ TEST_CASE("a mask keeps what has a label, or one of some, and empties all else")
 TEST_CASE("outside of a mask are voxels without data") {
   const auto shown = [](int x, int y, int z) { return label_at(x, y, z) == 2; };
   const LabelRanges two{{2, 2}};
-  check_voxels<float>(*masked_source(numbered<float>(ScalarType::float32), labelled(), two), shown,
+  check_voxels<float>(*segmented_source(numbered<float>(ScalarType::float32), labelled(), two), shown,
                       [](float v) { return std::isnan(v); });
   check_voxels<std::int16_t>(
-      *masked_source(numbered<std::int16_t>(ScalarType::int16, {.modality = "CT"}), labelled(), two), shown,
-      [](int v) { return v == -1000; });
+      *segmented_source(numbered<std::int16_t>(ScalarType::int16, {.modality = "CT"}), labelled(), two),
+      shown, [](int v) { return v == -1000; });
   check_voxels<std::uint8_t>(
-      *masked_source(numbered<std::uint8_t>(ScalarType::uint8, {.modality = "CT"}), labelled(), two), shown,
-      [](int v) { return v == 0; });
+      *segmented_source(numbered<std::uint8_t>(ScalarType::uint8, {.modality = "CT"}), labelled(), two),
+      shown, [](int v) { return v == 0; });
   check_voxels<std::int16_t>(
-      *masked_source(numbered<std::int16_t>(ScalarType::int16, {.fill = -99.0}), labelled(), two), shown,
+      *segmented_source(numbered<std::int16_t>(ScalarType::int16, {.fill = -99.0}), labelled(), two), shown,
       [](int v) { return v == -99; });
 }
 
@@ -117,17 +118,58 @@ TEST_CASE("a segmentation of another grid is looked up where voxels lie") {
   const auto inside = [](int p) { return 2 <= p && p < 6; };
   const auto is_zero = [](auto value) { return value == 0; };
   check_voxels<std::uint8_t>(
-      *masked_source(numbered<std::uint8_t>(ScalarType::uint8, patient), coarse(patient), {}),
+      *segmented_source(numbered<std::uint8_t>(ScalarType::uint8, patient), coarse(patient), {}),
       [&](int x, int y, int z) { return inside(x) && inside(y) && inside(z); }, is_zero);
   check_voxels<std::uint8_t>(
-      *masked_source(numbered<std::uint8_t>(ScalarType::uint8, patient), coarse(patient), {{300, 300}}),
+      *segmented_source(numbered<std::uint8_t>(ScalarType::uint8, patient), coarse(patient), {{300, 300}}),
       [&](int x, int y, int z) { return 4 <= x && x < 6 && inside(y) && inside(z); }, is_zero);
-  CHECK(says(
-      message_of([&] { masked_source(numbered<std::uint8_t>(ScalarType::uint8, patient), coarse({}), {}); }),
-      "the segmentation's world coordinates are not of the volume's kind"));
+  CHECK(says(message_of([&] {
+               segmented_source(numbered<std::uint8_t>(ScalarType::uint8, patient), coarse({}), {});
+             }),
+             "the segmentation's world coordinates are not of the volume's kind"));
   // As many voxels that say nothing of where they are lie on the volume's.
   check_voxels<std::uint8_t>(
-      *masked_source(numbered<std::uint8_t>(ScalarType::uint8, patient),
-                     source_of<std::uint8_t>(cube(side, ScalarType::uint8, 9), {}, label_at), {}),
+      *segmented_source(numbered<std::uint8_t>(ScalarType::uint8, patient),
+                        source_of<std::uint8_t>(cube(side, ScalarType::uint8, 9), {}, label_at), {}),
       [](int x, int y, int z) { return label_at(x, y, z) != 0; }, is_zero);
+}
+
+TEST_CASE("a segmentation that tints tells labels, one that outlines those at borders") {
+  const auto with = [](LabelRanges ranges, Covered covered) {
+    return segmented_source(numbered<std::uint16_t>(ScalarType::uint16), labelled(), std::move(ranges),
+                            covered);
+  };
+  const auto check_labels = [](VolumeSource& volume, auto label) {
+    check_voxels<std::uint16_t>(
+        volume, [](int, int, int) { return true; }, [](int) { return false; });
+    REQUIRE(volume.labels() != nullptr);
+    const auto labels = slices_of<std::uint8_t>(*volume.labels(), 0, side);
+    std::size_t i = 0, wrong = 0;
+    for (int z = 0; z < side; ++z)
+      for (int y = 0; y < side; ++y)
+        for (int x = 0; x < side; ++x, ++i) wrong += labels[i] != label(x, y, z);
+    CHECK(wrong == 0);
+    const auto part = slices_of<std::uint8_t>(*volume.labels(), 3, 2);
+    CHECK(std::equal(part.begin(), part.end(), labels.begin() + 3 * side * side));
+  };
+  check_labels(*with({}, Covered::tinted), label_at);
+  check_labels(*with({{2, 2}}, Covered::tinted),
+               [](int x, int y, int z) { return label_at(x, y, z) == 2 ? 2 : 0; });
+  check_labels(*with({}, Covered::outlined), [](int x, int y, int z) {
+    const int label = label_at(x, y, z);
+    const auto differs = [&](int dx, int dz) {
+      const int nx = x + dx, nz = z + dz;
+      return nx >= 0 && nx < side && nz >= 0 && nz < side && label_at(nx, y, nz) != label;
+    };
+    return differs(-1, 0) || differs(1, 0) || differs(0, -1) || differs(0, 1) ? label : 0;
+  });
+  CHECK(with({}, Covered::alone)->labels() == nullptr);
+  // Bytes begin again behind the last of them.
+  const auto large =
+      segmented_source(numbered<std::uint16_t>(ScalarType::uint16),
+                       source_of<std::uint16_t>(cube(side, ScalarType::uint16), {},
+                                                [](int x, int, int) { return x == 0 ? 0 : 126 + x; }),
+                       {}, Covered::tinted);
+  CHECK(slices_of<std::uint8_t>(*large->labels(), 0, 1)[1] == 127);
+  CHECK(slices_of<std::uint8_t>(*large->labels(), 0, 1)[2] == 1);
 }
