@@ -53,6 +53,7 @@ std::string level_error(const Image& picture, const truth::Scene& shown, const R
   };
   const auto source = open_volume(volume);
   truth::Scene fine{source->grid(), truth::read_values(*source), shown.frame};
+  if (VolumeSource* const labels = source->labels()) fine.labels = truth::read_labels(*labels);
   // The camera fits the level, whose last voxels may reach beyond the finest's.
   fine.cut_from = {{shown.grid.dims * coarser, finest.spacing, finest.origin, finest.direction},
                    of_finest.first};

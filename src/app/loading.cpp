@@ -245,7 +245,16 @@ std::size_t room_to_read_ahead(const Job& job, std::size_t pictures, const Launc
 void settle_layout(Job& job, std::size_t pictures, std::size_t volumes, Launch& launch) {
   if (job.options.run.choose_roles) job.layout = choose_roles(job, launch);
   job.options.frame.division.dealt_to = drawing_renderers(job, launch);
-  job.slice_bytes = predicted_bytes(job.volume.grid, job.load, dealing_of(job.layout));
+  const SliceDealing dealing = dealing_of(job.layout);
+  job.slice_bytes = predicted_bytes(job.volume.grid, job.load, dealing);
+  if (job.volume.has_labels) {
+    Grid labels = job.volume.grid;
+    labels.type = ScalarType::uint8;
+    LoadOptions load = job.load;
+    load.with_normals = false;
+    std::ranges::transform(job.slice_bytes, predicted_bytes(labels, load, dealing), job.slice_bytes.begin(),
+                           std::plus());
+  }
   for (std::uint64_t& bytes : job.slice_bytes) bytes *= volumes;
   launch.check_on_all_ranks([&] { check_memory(job, pictures, launch); });
   log_roles(job, launch);

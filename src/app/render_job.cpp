@@ -245,7 +245,7 @@ FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launc
   });
   FrameSpec frame = o.frame;
   made.set(frame.shown);
-  frame.shown.tints = tints_of(o.volume.mask, scene.labels);
+  if (launch.rank() == 0) frame.shown.tints = tints_of(o.volume.mask, scene.labels);
   if (o.budget.max_error && keep_budget(job, scene, frame, progress, launch))
     scene = reload(job, progress, launch);
   const Histogram& without_outliers = scene.values.histogram;

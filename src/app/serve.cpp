@@ -57,8 +57,8 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   return job;
 }
 
-std::vector<serve::Label> labels_of(const std::vector<double>& values, const std::filesystem::path& file) {
-  const auto notes = detail::label_notes(file);
+std::vector<serve::Label> labels_of(const std::vector<double>& values,
+                                    const std::map<double, detail::LabelNotes>& notes) {
   std::vector<serve::Label> labels;
   for (const double value : values) {
     const auto of_file = notes.find(value);
@@ -115,11 +115,12 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
   made.set(v.initial.shown);
   v.initial.shown.tints = tints_of(o.volume.mask, scene.labels);
-  v.segments = labels_of(scene.labels, o.volume.mask.path);
+  v.segments = labels_of(scene.labels, notes_of(o.volume.mask));
   serve::set_modes(usual.function, scene.values, v);
   check(v.initial.shown.transfer_function, o.transfer_function);
   add_channels(job, scene, v);
-  if (made.labels && job.channels.empty()) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
+  if (made.labels && job.channels.empty())
+    v.volume.labels = labels_of(scene.values.labels, detail::label_notes(o.volume.path));
   v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));
   v.target_seconds = options.target_ms / 1e3;
   v.server = {options.address, options.port, options.allowed_hosts, options.allowed_origins,

@@ -122,6 +122,7 @@ Command settle_info(const OptionList& list, InfoOptions& o) {
   if (!o.presets && asks_for_colour_maps("info", o.picture)) return Say{list_of_colour_maps()};
   refuse_several_channels("info", o.picture.volume);
   settle_picture(list, o.picture);
+  if (o.machine.empty()) settle_protocol(list, o.picture);
   return o;
 }
 
@@ -146,6 +147,8 @@ void add_pyramid(OptionList& list, PyramidOptions& o) {
 
 Command settle_pyramid(const OptionList&, PyramidOptions& o) {
   refuse_several_channels("pyramid", o.volume);
+  if (o.volume.mask.covered != Covered::alone)
+    throw InputError("--mask-as: a pyramid holds no labels over its voxels", "make one of the segmentation");
   return o;
 }
 

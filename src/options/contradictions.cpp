@@ -99,7 +99,8 @@ const Rule all_rules[] = {
     {without_light, excludes, "--tf2d", "only light through the volume goes by opacities: leave one out"},
     {"--mask-as", needs, "--mask", "name the segmentation by --mask FILE"},
     {"--mask-as=tint --mask-as=outline", excludes,
-     "--engine=splats --quality=paper --mode=mip --mode=attenuated --mode=minip --mode=mean --mode=sum "
+     "--channel=several --engine=splats --quality=paper --mode=mip --mode=attenuated --mode=minip "
+     "--mode=mean --mode=sum "
      "--mode=surface --values --error=certified --guarantee",
      "only light through sheets, and slices, are tinted: leave one out"},
     {"--slice", excludes,

@@ -99,8 +99,8 @@ void settle_engines(const OptionList& list, RenderOptions& o) {
     return;
   }
   const Shown& shown = o.frame.shown;
-  const bool only_sheets =
-      shown.camera.fov > 0 || !shown.clip_planes.empty() || shown.edges || o.colour.mode != Mode::composite;
+  const bool only_sheets = shown.camera.fov > 0 || !shown.clip_planes.empty() || shown.edges ||
+                           o.colour.mode != Mode::composite || o.volume.mask.covered != Covered::alone;
   if (only_sheets) return;
   MethodOptions other = o.method;
   other.engine = Engine::splats;

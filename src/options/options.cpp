@@ -1,6 +1,7 @@
+#include "base/log.hpp"
+#include "base/printable.hpp"
 #include "base/srgb.hpp"
 #include "classify/auto_preset.hpp"
-#include "formats/nrrd/header.hpp"
 #include "options/option_tables.hpp"
 
 namespace ringsplat::app {
@@ -27,12 +28,20 @@ std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& o) {
                           o.mask.covered);
 }
 
+std::map<double, detail::LabelNotes> notes_of(const ShownLabels& mask) {
+  std::map<double, detail::LabelNotes> notes;
+  for (auto& [label, said] : detail::label_notes(mask.path))
+    notes.try_emplace(label_byte(label), std::move(said));
+  return notes;
+}
+
 std::vector<Tint> tints_of(const ShownLabels& mask, const std::vector<double>& labels) {
   std::vector<Tint> tints;
   if (mask.covered == Covered::alone) return tints;
-  const auto notes = detail::label_notes(mask.path);
+  if (labels.empty())
+    log_warning("{} covers nothing with the labels that --mask names", printable(mask.path));
+  const auto notes = notes_of(mask);
   for (const double label : labels) {
-    if (label == 0) continue;
     const auto of_file = notes.find(label);
     const auto colour = of_file != notes.end() ? of_file->second.colour : std::nullopt;
     tints.push_back({int(label), srgb_to_linear(colour.value_or(label_colour(label))),

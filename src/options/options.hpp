@@ -2,12 +2,14 @@
 #include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "formats/nrrd/header.hpp"
 #include "frame/quality.hpp"
 #include "net/loopback.hpp"
 #include "options/option_values.hpp"
@@ -47,7 +49,9 @@ inline bool names_channels(const std::string& channel) {
 
 std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& volume);
 
-/// Those of the labels that --mask tints or outlines, `labels`, in the file's colours or usual ones.
+/// What a segmentation's file says of its labels, by the bytes that stand for them.
+std::map<double, detail::LabelNotes> notes_of(const ShownLabels& mask);
+/// Those of the labels that --mask tints or outlines, `labels` but 0, in the file's colours or usual ones.
 std::vector<Tint> tints_of(const ShownLabels& mask, const std::vector<double>& labels);
 
 /// Where the nodes run and how they talk.

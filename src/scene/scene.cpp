@@ -45,19 +45,63 @@ double share_of(const LoadOptions& options, int factor = 1) {
   return 1.0 / factor / sum;
 }
 
+/// The labels of a reduced volume's voxels: of the voxels in its place the first one's that has any, so that
+/// thin lines stay.
+class CoarseLabels final : public ForwardingSource {
+ public:
+  CoarseLabels(VolumeSource& labels, const Grid& grid, int factor)
+      : ForwardingSource(labels, grid), factor_(factor) {}
+  int layer_depth() const override { return reduced_layer_depth(source_.layer_depth(), {factor_}); }
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    const glm::ivec3 dims = grid().dims, fine = source_.grid().dims;
+    std::ranges::fill(out, std::byte{0});
+    std::vector<std::byte> slice(source_.grid().slice_bytes(Axis::z));
+    for (int z = first * factor_; z < std::min((first + count) * factor_, fine.z); ++z) {
+      source_.read_slices(z, 1, slice);
+      std::byte* to = out.data() + std::size_t(z / factor_ - first) * grid().slice_bytes(Axis::z);
+      for (int y = 0; y < std::min(fine.y, dims.y * factor_); ++y)
+        for (int x = 0; x < std::min(fine.x, dims.x * factor_); ++x)
+          if (std::byte& label = to[y / factor_ * dims.x + x / factor_]; label == std::byte{0})
+            label = slice[std::size_t(y) * std::size_t(fine.x) + std::size_t(x)];
+    }
+  }
+
+ private:
+  int factor_;
+};
+
 /// Deals the labels of all levels as the volume is dealt, and gives them to its stores.
 void add_labels(Scene& scene, OpenedVolume& volume, LoadOptions options, const Sharing& sharing) {
   OpenedVolume labels{volume.grid, volume.concurrent};
   labels.grid.type = ScalarType::uint8;
   if (volume.source) labels.source = std::make_unique<ForwardingSource>(*volume.source->labels());
-  options.with_normals = options.with_cell_ranges = options.prefilter = false;
+  options.with_normals = options.with_cell_ranges = false;
   options.told = {};
+  const std::vector<int> factors = std::move(options.factors);
+  options.factors.assign(std::size_t(std::ranges::count(factors, 1)), 1);
   Scene dealt = deal_scene(labels, options, sharing);
+  for (const int factor : factors) {
+    if (factor == 1) continue;
+    OpenedVolume level{reduced_grid(labels.grid, {factor, options.prefilter}), labels.concurrent};
+    if (labels.source) level.source = std::make_unique<CoarseLabels>(*labels.source, level.grid, factor);
+    for (auto& [gp, store] : deal_slices(level, options, sharing))
+      dealt.stores.at(gp).add_level(factor, std::move(store));
+  }
   scene.labels = std::move(dealt.values.labels);
   std::erase(scene.labels, 0.0);
   for (auto& [gp, store] : scene.stores)
     store.know_labels(std::make_shared<const SliceStore>(std::move(dealt.stores.at(gp))));
 }
+
+/// What process 0 tells the others of the volume it has opened. In one piece, as a grid by itself is told by
+/// its members elsewhere (formats/decode/messages.hpp), and there may be one way for each type.
+struct Known {
+  Grid grid;
+  bool concurrent = false;
+  int layer_depth = 1;
+  std::optional<double> fill;  ///< what the values' statistics leave out
+  bool has_labels = false;
+};
 
 }  // namespace
 
@@ -142,12 +186,17 @@ OpenedVolume open_everywhere(Collectives& collectives,
   };
   const bool is_first = collectives.process() == 0;
   agree(collectives, is_first ? input_error_of(open_it) : std::string());
-  Block known;
+  Block block;
   if (volume.source)
-    known = to_bytes(volume.source->grid(), volume.source->concurrent(), volume.source->layer_depth(),
-                     volume.notes.fill, volume.source->labels() != nullptr);
-  read_block(collectives.broadcast(std::move(known), 0), "a volume's grid", volume.grid, volume.concurrent,
-             volume.layer_depth, volume.notes.fill, volume.has_labels);
+    block = to_bytes(Known{volume.source->grid(), volume.source->concurrent(), volume.source->layer_depth(),
+                           volume.notes.fill, volume.source->labels() != nullptr});
+  block = collectives.broadcast(std::move(block), 0);
+  const auto known = value_of<Known>(block, "a volume's grid");
+  volume.grid = known.grid;
+  volume.concurrent = known.concurrent;
+  volume.layer_depth = known.layer_depth;
+  volume.notes.fill = known.fill;
+  volume.has_labels = known.has_labels;
   if (!volume.concurrent) return volume;
   agree(collectives, is_first ? std::string() : input_error_of(open_it));
   require_same(collectives, volume.facts, fmt::format("sees another volume at {}", name),

@@ -49,6 +49,7 @@ class Probe {
     shown.camera = camera_of_pixel(shown.camera, lattice_frame(grid), shown.width, shown.height, x, y);
     shown.width = shown.height = 1;
     shown.shading = Shading::none;
+    for (Tint& tint : shown.tints) tint.share = 0;  // greys tell of values
     if (looks_for_extremum() && shown.mode != Mode::minip) shown.mode = Mode::mip;
     check_frame(*next_, grid);
     const Traversal traversal = make_geometry(*next_, grid).traversal;

@@ -102,7 +102,7 @@ ValueScale value_scale(const SheetFrame& frame, double low, double high) {
   code = PlaneCode::choose(frame.geometry.grid.type, scale.low, scale.high, rounded, frame.slabs());
   // Only where there are any, so that planes can be kept when the function changes.
   if (!std::isfinite(low) || !std::isfinite(high)) std::tie(code.below, code.above) = beyond_function(tf);
-  code.labelled = !frame.shown.tints.empty();
+  code.labelled = frame.tinted();
   if (cut) code.least = scale.low, code.most = scale.high;
   return scale;
 }

@@ -37,7 +37,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
         windows_(geometry(), frame_->reach(), frame_->reach(), frame_->reach()),
         parts_(std::size_t(renderers)) {
     check_ranges_known();
-    if (!frame_->shown.tints.empty() && whole_store_.labels() != nullptr)
+    if (frame_->tinted() && whole_store_.labels() != nullptr)
       labels_of_level_ = &whole_store_.labels()->level(frame_->shown.reduction.factor);
     const Regions& regions = geometry().regions;
     for (int region = 0; region < regions.count(); ++region) {
@@ -51,7 +51,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
 
   std::vector<int> shown() override {
     std::vector<bool> may_show(std::size_t(geometry().slices), true);
-    if (skip_empty_)
+    if (skip_empty_ && !labels_show_alone())
       may_show = shown_slices(store_, geometry().box, axis(), frame_->reach(), frame_->transparent);
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
@@ -162,11 +162,12 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
   void deal(int column, int row) {
     const auto block = std::uint32_t(row * columns_ + column);
     const BlockState& state = states_[block];
-    if (!state.needed && state.transparent == elsewhere_) return;
+    const bool needed = state.needed || (labels_show_alone() && has_labels(column, row));
+    if (!needed && state.transparent == elsewhere_) return;
     if (!geometry().clip_planes.empty() && cut_off(column, row)) return;
     const PixelWindow window = windows_.of(column, row, slice_.index);
     const PixelRect touched = geometry().regions.touched(window);
-    if (state.needed)
+    if (needed)
       send(block, column, row, window, touched);
     else
       for_each_region(touched, [&](int, Part& part) {
@@ -191,6 +192,9 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
       if (!kept) part.bytes += bytes;
     });
   }
+
+  /// Whether labels show where values do not: single slices are seen all over.
+  bool labels_show_alone() const { return labels_of_level_ != nullptr && !frame_->composites(); }
 
   /// Whether a segmentation covers some of a block.
   bool has_labels(int column, int row) const {

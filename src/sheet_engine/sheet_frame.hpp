@@ -24,6 +24,8 @@ struct SheetFrame {
   bool lit() const {
     return shaded() ? composites() || shown.mode == Mode::surface : composites() && shown.edges;
   }
+  /// Whether labels tint what is shown: slabs, or the place of a single slice.
+  bool tinted() const { return !shown.tints.empty() && (composites() || geometry.slices == 1); }
   bool composites() const { return shown.mode == Mode::composite; }
   /// Whether slabs count by their lengths, and not all alike.
   bool by_length() const { return shown.opacity_correction || !composites(); }

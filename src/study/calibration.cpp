@@ -170,6 +170,7 @@ std::string calibration_key(const RenderOptions& o, const FrameSpec& reference, 
   const std::string counts = json(histogram.counts).dump();
   return json{{"program", this_program()},
               {"volume", identity_of(o.volume.path)},
+              {"segmentation", identity_of(o.volume.mask.path)},
               {"values", {histogram.low, histogram.high, std::hash<std::string>{}(counts)}},
               {"frame", frame},
               {"views", views_json(reference, views)},

@@ -288,6 +288,7 @@ WholeVolume read_whole(VolumeSource& source) {
     volume.scene.labels = truth::read_labels(*labels);
     const std::set<double> there(volume.scene.labels.begin(), volume.scene.labels.end());
     volume.labels.assign(there.begin(), there.end());
+    std::erase(volume.labels, 0.0);
   }
   volume.statistics = describe_values(grid, source.notes(), pass);
   return volume;

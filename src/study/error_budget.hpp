@@ -70,7 +70,7 @@ std::optional<Shortcuts> more_exact(std::span<const MeasuredShortcuts> measured,
 struct WholeVolume {
   truth::Scene scene;
   ValueStatistics statistics;       ///< the same as load_scene's, so that presets are the same
-  std::vector<double> labels = {};  ///< of its segmentation, each once, ascending
+  std::vector<double> labels = {};  ///< of its segmentation but 0, each once, ascending
 };
 /// Throws InputError when the volume is unreadable or exceeds this machine's memory.
 WholeVolume read_whole(VolumeSource& source);

@@ -7,6 +7,7 @@
 #include <glm/matrix.hpp>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <type_traits>
 
 #include "ringsplat/base/error.hpp"
@@ -83,10 +84,14 @@ class LabelSource final : public VolumeSource {
       return;
     }
     const int low = std::max(first - 1, 0), high = std::min(first + count, grid_.dims.z - 1);
-    std::vector<std::uint8_t> labels(std::size_t((high - low + 1) * voxels));
-    for (int z = low; z <= high; ++z) find_labels(z, labels.data() + (z - low) * voxels);
+    // The next slices need some of these again, and files are decoded forwards only.
+    std::erase_if(found_, [&](const auto& slice) { return slice.first < low || slice.first > high; });
+    for (int z = low; z <= high; ++z)
+      if (const auto [slice, is_new] = found_.try_emplace(z, std::size_t(voxels)); is_new)
+        find_labels(z, slice->second.data());
     for (int z = first; z < first + count; ++z, to += voxels)
-      keep_border(labels.data() + (z - low) * voxels, z > low, z < high, to);
+      keep_border(found_.at(z).data(), found_.at(std::max(z - 1, low)).data(),
+                  found_.at(std::min(z + 1, high)).data(), to);
   }
 
  private:
@@ -103,15 +108,15 @@ class LabelSource final : public VolumeSource {
       }
   }
 
-  /// Of a slice's labels those with another one beside them; `before`, `behind`: whether there are slices.
-  void keep_border(const std::uint8_t* from, bool before, bool behind, std::uint8_t* to) const {
-    const std::ptrdiff_t row = grid_.dims.x, slice = row * grid_.dims.y;
+  /// Of a slice's labels those with another one beside them, or in the slice before or behind.
+  void keep_border(const std::uint8_t* from, const std::uint8_t* before, const std::uint8_t* behind,
+                   std::uint8_t* to) const {
+    const std::ptrdiff_t row = grid_.dims.x;
     for (int y = 0; y < grid_.dims.y; ++y)
-      for (int x = 0; x < grid_.dims.x; ++x, ++from, ++to) {
+      for (int x = 0; x < grid_.dims.x; ++x, ++from, ++before, ++behind, ++to) {
         const auto differs = [from](bool there, std::ptrdiff_t step) { return there && from[step] != *from; };
         const bool border = differs(x > 0, -1) || differs(x + 1 < grid_.dims.x, 1) || differs(y > 0, -row) ||
-                            differs(y + 1 < grid_.dims.y, row) || differs(before, -slice) ||
-                            differs(behind, slice);
+                            differs(y + 1 < grid_.dims.y, row) || *before != *from || *behind != *from;
         *to = border ? *from : 0;
       }
   }
@@ -145,7 +150,7 @@ class LabelSource final : public VolumeSource {
                                            return double(l.first) <= label && label <= double(l.second);
                                          });
 
-    return shown ? std::uint8_t(1 + std::fmod(std::max(std::floor(label) - 1, 0.0), most_tints)) : 0;
+    return shown ? label_byte(label) : 0;
   }
 
   Grid grid_;
@@ -155,6 +160,7 @@ class LabelSource final : public VolumeSource {
   bool outline_;
   std::vector<std::uint8_t> read_;  ///< of the segmentation's slices first_ to last_
   int first_ = 0, last_ = -1;
+  std::map<int, std::vector<std::uint8_t>> found_;  ///< labels of the volume's slices that borders need
 };
 
 class SegmentedSource final : public ForwardingSource {
@@ -193,6 +199,10 @@ class SegmentedSource final : public ForwardingSource {
 };
 
 }  // namespace
+
+std::uint8_t label_byte(double label) {
+  return std::uint8_t(1 + std::fmod(std::max(std::floor(label) - 1, 0.0), most_tints));
+}
 
 std::unique_ptr<VolumeSource> segmented_source(std::unique_ptr<VolumeSource> volume,
                                                std::unique_ptr<VolumeSource> segmentation, LabelRanges labels,

@@ -12,6 +12,9 @@ namespace ringsplat {
 /// but 0.
 using LabelRanges = std::vector<std::pair<std::int64_t, std::int64_t>>;
 
+/// What stands for a label among 1 to most_tints, from which on they begin again.
+std::uint8_t label_byte(double label);
+
 /// What a segmentation does to the volume that it covers.
 enum class Covered {
   alone,    ///< only that is shown: elsewhere is the value of voxels without data, which is the file's,

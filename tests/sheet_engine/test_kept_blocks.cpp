@@ -6,6 +6,7 @@
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
 #include "support/views.hpp"
+#include "volume/forwarding_source.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
@@ -20,8 +21,8 @@ FrameSpec seen_from(double azimuth) {
 }
 
 /// A viewer's frames: it turns, and now and then the function, the method, the part or the level changes.
-/// `most`: the volume's largest value.
-std::vector<FrameSpec> browsed_frames(int count, double most = 255) {
+/// `most`: the volume's largest value. `tinted`: most of them, by the segmentation.
+std::vector<FrameSpec> browsed_frames(int count, double most = 255, bool tinted = false) {
   std::vector<FrameSpec> specs;
   for (int k = 0; k < count; ++k) {
     FrameSpec spec = seen_from(17.0 * k);
@@ -33,12 +34,38 @@ std::vector<FrameSpec> browsed_frames(int count, double most = 255) {
     if (k % 7 >= 5) spec.shown.clip = VoxelBox{{3, 5, 9}, {36, 31, 40}};
     if (k % 5 == 4) spec.shown.reduction.factor = 2;
     if (k % 11 >= 9) spec.shown.shading = Shading::none;
+    if (tinted && k % 8 < 6) spec.shown.tints = {{1, {1, 0, 0}, 0.6F}, {3, {0, 0, 1}, 1.0F}};
     for (auto& point : spec.shown.transfer_function.colours) point.value *= most / 255;
     for (auto& point : spec.shown.transfer_function.opacities) point.value *= most / 255;
     specs.push_back(spec);
   }
   return specs;
 }
+
+/// The jack, in whose place a segmentation has four labels.
+class Labelled final : public ForwardingSource {
+ public:
+  explicit Labelled(const Grid& grid) : ForwardingSource(synth_source("jack", grid)), labels_(grid) {}
+  VolumeSource* labels() override { return &labels_; }
+
+ private:
+  class Cells final : public VolumeSource {
+   public:
+    explicit Cells(Grid grid) : grid_(std::move(grid)) { grid_.type = ScalarType::uint8; }
+    const Grid& grid() const override { return grid_; }
+    bool concurrent() const override { return true; }
+    void read_slices(int first, int count, std::span<std::byte> out) override {
+      std::size_t i = 0;
+      for (int z = first; z < first + count; ++z)
+        for (int y = 0; y < grid_.dims.y; ++y)
+          for (int x = 0; x < grid_.dims.x; ++x) out[i++] = std::byte((x / 9 + y / 7 + 2 * (z / 12)) % 4);
+    }
+
+   private:
+    Grid grid_;
+  };
+  Cells labels_;
+};
 
 const LoadOptions everything{.factors = {1, 2}, .with_cell_ranges = true};
 
@@ -51,7 +78,8 @@ Browsed browse(const Grid& grid, const std::vector<FrameSpec>& specs, const Layo
                std::uint64_t seed = 0, std::function<bool(const FrameSpec&)> unwanted = {}) {
   SoloCollectives solo;
   const Wiring wiring{solo, nullptr, {.seed = seed, .reorder = seed > 0, .max_delay = int(seed % 5)}};
-  OpenedVolume volume{grid, true, synth_source("jack", grid)};
+  OpenedVolume volume{grid, true, std::make_unique<Labelled>(grid)};
+  volume.has_labels = true;
   Scene scene = load_scene(volume, everything, layout, wiring);
   Browsed browsed;
   Director director = director_of(specs, [&](FrameResult&& r) {
@@ -71,8 +99,9 @@ Browsed browse(const Grid& grid, const std::vector<FrameSpec>& specs, const Layo
 }  // namespace
 
 TEST_CASE("frames have the bits that they have alone, whatever Renderers keep of those before") {
-  for (const ScalarType type : {ScalarType::uint8, ScalarType::float32}) {
-    const auto specs = browsed_frames(22, type == ScalarType::uint8 ? 255 : 1);
+  for (const auto& [type, tinted] :
+       {std::pair{ScalarType::uint8, false}, {ScalarType::float32, false}, {ScalarType::uint8, true}}) {
+    const auto specs = browsed_frames(22, type == ScalarType::uint8 ? 255 : 1, tinted);
     const Grid grid = make_grid({64, 64, 64}, type);
     std::vector<Image> alone;
     for (const FrameSpec& spec : specs) {
@@ -82,7 +111,7 @@ TEST_CASE("frames have the bits that they have alone, whatever Renderers keep of
     // One MiB is a part of a shelf of floats, or a shelf of whole numbers and the rest of another.
     for (const int keep : {0, 1, 64})
       for (const std::uint64_t seed : {0U, 1U, 2U}) {
-        INFO(fmt::format("{} values, {} MiB, seed {}", to_string(type), keep, seed));
+        INFO(fmt::format("{} values, tinted {}, {} MiB, seed {}", to_string(type), tinted, keep, seed));
         Layout layout{1 + int(seed), 1 + int(seed % 3)};
         layout.bundle = 1 + int(seed % 2) * 2;
         const auto browsed = browse(grid, specs, layout, keep, seed);

@@ -125,14 +125,18 @@ TEST_CASE("tints have the same bits for any ranks, and where Renderers keep bloc
 }
 
 TEST_CASE("a slice is tinted where its voxels are") {
-  const Tinted volume = lumps(ScalarType::uint8);
+  const Tinted volume(make_volume({70, 61, 37}, ScalarType::uint8, lump), cells);
   FrameSpec spec = sheets(facing_slices(truth::lattice_of(volume.volume.grid), Axis::z, false));
   spec.shown.mode = Mode::mip;
-  spec.shown.clip = VoxelBox{{0, 0, 18}, {33, 27, 19}};
+  spec.shown.clip = VoxelBox{{0, 0, 18}, {70, 61, 19}};
   spec.shown.transfer_function.opacities = {{20, 1.0}, {240, 1.0}};
   const Image picture = volume.rendered(spec).image;
   CHECK(truth::compare(picture, volume.field(spec)).total.largest < 1);
   CHECK(largest_difference(volume.rendered(spec, {3, 2}).image, picture) == 0);
+  // Where values are those of the window's low end labels are seen, too.
+  spec.shown.transfer_function.opacities = {{150, 1.0}, {240, 1.0}};
+  spec.shown.transfer_function.colours = {{150, {0, 0, 0}}, {240, {1, 1, 1}}};
+  CHECK(truth::compare(volume.rendered(spec, {2, 3}).image, volume.field(spec)).total.largest < 1);
   spec.shown.tints.clear();
   CHECK(truth::compare(volume.rendered(spec).image, picture).total.rmse > 5);
 }

@@ -218,7 +218,8 @@ class App {
   fitting(state) {
     const { channels, frame, tints, ...rest } = state ?? {};
     if (channels?.length === this.hello.channels.length) rest.channels = channels;
-    if (tints?.length === this.hello.segments.length) rest.tints = tints;
+    const labels = this.hello.segments;
+    if (tints?.length === labels.length && labels.every(({ value }, k) => tints[k][0] === value)) rest.tints = tints;
     if (frame !== undefined) rest.frame = Math.min(frame, this.hello.frames.length - 1);
     return rest;
   }

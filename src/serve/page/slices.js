@@ -7,7 +7,7 @@ import { ink, strokeTwice, trace, write } from './overlay.js';
 import { onSettings, settings } from './settings.js';
 import { showError } from './status.js';
 
-const names = ['x', 'y', 'z'], shownBy = ['transfer_function', 'channels', 'mode', 'frame', 'background'];
+const names = ['x', 'y', 'z'], shownBy = ['transfer_function', 'channels', 'tints', 'mode', 'frame', 'background'];
 const restBegins = 150;  // milliseconds without a move, until the value is asked for
 
 /** The slice across one axis: its picture, asked for anew when it is out of date, and its gestures. */
