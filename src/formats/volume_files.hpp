@@ -1,5 +1,7 @@
 #pragma once
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <span>
 #include <string>
 #include <unordered_map>
@@ -79,5 +81,22 @@ class LayeredSource : public VolumeSource {
   std::vector<std::byte> kept_;  ///< the last layer that was not read as a whole
   int kept_first_ = -1;
 };
+
+inline constexpr const char* piece_hint = "write all pieces again, from one volume";
+inline constexpr std::size_t most_pieces = 1 << 16;  ///< each is compared with those beside it
+
+/// A box of a volume's voxels, which a source of its own holds, and maybe others around them.
+struct VolumePiece {
+  std::filesystem::path file;
+  glm::ivec3 first{0}, end{0};  ///< of the box, which lies in the volume and is not empty
+  glm::ivec3 from{0};           ///< where the source's first voxel lies there
+  std::function<std::unique_ptr<VolumeSource>()> open = {};  ///< of the volume's type, spacing and origin
+};
+
+/// The volume that pieces fill. All are opened once, so that a missing or damaged one is an InputError at
+/// once, and so are pieces that overlap or leave gaps; later only those that a slice goes through. `where`:
+/// for messages.
+std::unique_ptr<VolumeSource> pieced_source(const Grid& grid, std::vector<VolumePiece> pieces,
+                                            const std::string& where);
 
 }  // namespace ringsplat::detail
