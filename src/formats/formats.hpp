@@ -29,6 +29,8 @@ std::unique_ptr<VolumeSource> open_fits(const std::filesystem::path& path, const
 /// A folder of Zarr, OME-Zarr or N5: an array, an image, whose finest level it opens, or a group that holds
 /// one of these.
 std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const VolumeChoice& choice);
+/// A folder of AMReX, a plotfile, of which it opens level 0.
+std::unique_ptr<VolumeSource> open_amrex(const std::filesystem::path& path, const VolumeChoice& choice);
 std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw);
 
 // By ringsplat-decode, or, where that finds the voxels as they are in the file, by this process. They throw

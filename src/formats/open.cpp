@@ -82,9 +82,7 @@ bool is_zarr(const std::filesystem::path& folder) {
 Open format_of_folder(const std::filesystem::path& folder) {
   const auto has = [&](const char* name) { return std::filesystem::exists(folder / name); };
   if (is_zarr(folder)) return detail::open_zarr;
-  if (has("Header") && has("Level_0"))
-    detail::refuse(folder, "save one grid of it, for example yt's covering_grid, as a .npy",
-                   "it is an AMReX plotfile, whose boxes differ in resolution");
+  if (has("Header") && has("Level_0")) return detail::open_amrex;
   int files = 0, pngs = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (detail::is_tiff(entry.path())) return detail::open_tiff;

@@ -54,7 +54,7 @@ void add_volume_options(OptionList& list, VolumeOptions& o) {
   list.below("Volume") += {
       {"volume", "VOLUME", nullptr,
        "NRRD, MetaImage, NIfTI, MGH, HDF5 (FILE:/DATASET), VTK, NumPy, MRC, FITS, TIFF or raw file, or a "
-       "folder: Zarr, a DICOM series, TIFF or PNG files",
+       "folder: Zarr, an AMReX plotfile, a DICOM series, TIFF or PNG files",
        value(o.path), Mark::of_program},
       {"--frame", "N", nullptr, "Of a file with several time points the one to take, from 0",
        value(o.choice.frame, {.least = 0})},

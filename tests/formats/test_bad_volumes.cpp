@@ -238,12 +238,6 @@ std::vector<Bad> bad_folders() {
          fs::create_directory(f / "a.nrrd");
          return f / "a.nrrd";
        }},
-      {"a plotfile", "is an AMReX plotfile",
-       [](const Folder& f) {
-         fs::create_directory(f / "Level_0");
-         write(f / "Header", "HyperCLaw-V1.1");
-         return f.path();
-       }},
       {"a folder of pictures",
        "holds pictures (2 files, .jpg); hint: slices are read from DICOM, TIFF and PNG",
        [](const Folder& f) {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "formats/amrex.hpp"
 #include "formats/files.hpp"
 #include "formats/fits.hpp"
 #include "formats/formats.hpp"
@@ -430,6 +431,27 @@ void run_zarr(std::span<const std::byte> input) {
   if (source->grid().voxels() <= most_voxels) use(*source, 4 * parts[2].size(), any_ratio);
 }
 
+/// Parts: Header, Cell_H, and the bytes of both files of values.
+std::vector<Input> amrex_seeds() {
+  std::vector<Input> seeds;
+  for (const auto& plot : {Plotfile(), Plotfile(true, true)}) {
+    Input input;
+    for (const auto& part : {plot.header, plot.cells, plot.fabs[0], plot.fabs[1]})
+      append_part(input, bytes_of_input(part));
+    seeds.push_back(input);
+  }
+  return seeds;
+}
+
+void run_amrex(std::span<const std::byte> input) {
+  Plotfile plot;
+  std::span<const std::byte> part, rest = input;
+  for (auto* text : {&plot.header, &plot.cells, &plot.fabs[0], &plot.fabs[1]})
+    if (take_part(rest, part)) *text = text_of(part);
+  const auto source = open_volume(plot.write_to(scratch() / "amrex"));
+  use(*source, input.size() + bytes_beside, 2);  // boxes may share bytes
+}
+
 std::vector<Input> dicom_seeds() {
   Dicom plain, scaled, colour, three;
   plain.pixels = scaled.pixels = samples<short>().substr(0, 40);
@@ -571,6 +593,9 @@ const Words n5_words{
 const Words fits_words{
     "SIMPLE  = T", "END     ", "BITPIX  = ", "NAXIS   = ", "NAXIS1  = ", "NAXIS4  = ", "BSCALE  = ", "BZERO   = ", "BLANK   = ",
     "XTENSION= 'IMAGE   '", "'BINTABLE'", "PCOUNT  = ", "GCOUNT  = ", "CUNIT1  = 'm'", "CDELT1  = ", "-32", "-64", "2147483647", "/"};
+const Words amrex_words{
+    "HyperCLaw-V1.1", "((0,0,0) (4,3,2) (0,0,0))", "(1,1,1)", "FabOnDisk: ", "Cell_D_00000", "..", "/", "FAB ", "8 7 6 5 4 3 2 1",
+    "1e300", "nan", "-536870912", "536870912", "65536", "18446744073709551615", "(1,0,0)", "\n"};
 const Words raw_words{
     "dims=", "type=", "endian=", "offset=", "spacing=", "big", "little", "uint8", "float", "float64", "5x4x3",
     "_5x4x3_int16.raw", "1x1x1", "x"};
@@ -597,6 +622,7 @@ std::vector<Driver> volume_drivers() {
           {"fits", run_fits, fits_seeds, fits_words, 6000},
           {"n5", run_n5, n5_seeds, n5_words, 1000},
           {"zarr", run_zarr, zarr_seeds, zarr_words, 400},
+          {"amrex", run_amrex, amrex_seeds, amrex_words, 1500},
           {"raw", run_raw, raw_seeds, raw_words, 1500}};
 }
 
