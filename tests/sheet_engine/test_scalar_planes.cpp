@@ -88,3 +88,32 @@ TEST_CASE("what a plane held before does not show in what is placed there") {
       }
     }
 }
+
+TEST_CASE("a kept block's labels do not show where it is not needed, and come back") {
+  ScalarPlanes planes;
+  PlaneCode code;
+  code.labelled = true;
+  planes.begin_frame(16, 8, 4, code, fillers);
+  const auto place = [&planes](int step, std::vector<std::uint8_t> bytes, std::vector<std::byte> voxels) {
+    SheetPayload payload;
+    payload.header.rows = 1;
+    payload.header.plane = 0;
+    payload.header.shelf = {0, 1, 1};
+    payload.rows = {{0, 2}};
+    payload.bytes = {bytes.data()};
+    payload.voxels = voxels;
+    planes.place(step, payload, ScalarType::uint8);
+    return planes.labels(step);
+  };
+  // The first block's voxels and labels, and the second one's voxels.
+  std::vector<std::byte> voxels(192, std::byte{77});
+  std::fill_n(voxels.begin() + 64, 64, std::byte{5});
+  const auto* labels = place(0, {block_present | block_labelled, block_present}, voxels);
+  CHECK(labels[0] == 5);
+  CHECK(labels[7 * planes.pitch() + 7] == 5);
+  CHECK(labels[8] == 0);
+  labels = place(1, {0, block_present | block_kept}, {});
+  CHECK(labels[0] > most_tints);
+  CHECK(labels[8] == 0);
+  CHECK(place(2, {block_present | block_kept, block_present | block_kept}, {})[0] == 5);
+}
