@@ -165,11 +165,13 @@ void check_edges(const Shown& shown, const Method& method) {
 void check_tints(const Shown& shown, const Method& method) {
   if (!shown.tints.empty() && std::holds_alternative<Splats>(method))
     throw InputError("splats cannot be tinted by a segmentation", "use --engine sheets, or --mask-as hide");
+  const auto is_share = [](float part) { return part >= 0 && part <= 1; };
   for (const auto& [label, colour, share] : shown.tints)
-    for (const float part : {colour.r, colour.g, colour.b, share})
-      if (label < 1 || label > most_tints || !(part >= 0 && part <= 1))
-        throw InputError(fmt::format("label {} cannot have that colour", label),
-                         "labels lie between 1 and 127, colours and shares of them between 0 and 1");
+    if (label < 1 || label > most_tints || !is_share(colour.r) || !is_share(colour.g) ||
+        !is_share(colour.b) || !is_share(share))
+      throw InputError(
+          fmt::format("label {} cannot have that colour", label),
+          fmt::format("labels lie between 1 and {}, colours and shares of them between 0 and 1", most_tints));
 }
 
 /// The first byte has the method's index among Method's alternatives, and above it the volume's number.

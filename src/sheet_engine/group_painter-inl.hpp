@@ -54,15 +54,8 @@ class VoxelsOnWay {
     F crossing;
 
     HWY_INLINE Steps(I from, I to, std::int32_t most) {
-      // Positions are rounded down, and of two voxels that are equally near the greater is the nearest.
-      constexpr std::int32_t rounding = 1;
-      const auto voxel = [&](I position) HWY_ATTR {
-        const I within = min(max(position, set_int(0)), set_int(most));
-        return down_signed<position_bits>(add(within, set_int(one_voxel / 2 + rounding)));
-      };
-      const I a = voxel(from), b = voxel(to);
-      const I face =
-          sub(up<position_bits>(max(a, min(b, add(a, set_int(1))))), set_int(one_voxel / 2 + rounding));
+      const I a = NearestVoxel(from, most), b = NearestVoxel(to, most);
+      const I face = sub(up<position_bits>(max(a, min(b, add(a, set_int(1))))), set_int(before_voxel));
       const M crosses = either(greater(a, b), greater(b, a));
       const F way = choose(crosses, to_float(sub(to, from)), set(1.0F));
       crossing =

@@ -40,16 +40,22 @@ HWY_INLINE TableSlab Unpack(const Entry& e) {
           mul(set(1.0F / 127), to_float(both(down<22>(high), set_int(63))))};
 }
 
-/// Positions of the voxels nearest to lanes, the outer ones beyond them.
-HWY_INLINE I NearestVoxel(I position, int voxels) {
-  const I within = min(max(position, set_int(0)), set_int((voxels - 1) << position_bits));
-  return down_signed<position_bits>(add(within, set_int(one_voxel / 2)));
+/// From a voxel's position to where it begins to be the nearest one: positions are rounded down, and of two
+/// voxels that are equally near the greater is the nearest.
+inline constexpr std::int32_t before_voxel = one_voxel / 2 + 1;
+/// The voxels nearest to lanes; beyond the outer ones those. `most`: the last one's position.
+HWY_INLINE I NearestVoxel(I position, std::int32_t most) {
+  const I within = min(max(position, set_int(0)), set_int(most));
+  return down_signed<position_bits>(add(within, set_int(before_voxel)));
 }
 
 /// A slab in the colours of its lanes' labels.
 HWY_NOINLINE TableSlab Tinted(const SheetPaint& paint, TableSlab slab, const std::uint8_t* labels, I u, I v) {
-  const I row = mul(NearestVoxel(v, paint.rays.voxels[1]), set_int(std::int32_t(paint.pitch)));
-  const I label = both(gather_int(labels, add(row, NearestVoxel(u, paint.rays.voxels[0]))), set_int(255));
+  const auto nearest = [&](I position, int axis) HWY_ATTR {
+    return NearestVoxel(position, (paint.rays.voxels[axis] - 1) << position_bits);
+  };
+  const I row = mul(nearest(v, 1), set_int(std::int32_t(paint.pitch)));
+  const I label = both(gather_int(labels, add(row, nearest(u, 0))), set_int(255));
   if (!any(greater(label, set_int(0)))) return slab;
   const I entry = up<2>(label);
   const F share = gather(paint.tints + 3, entry);

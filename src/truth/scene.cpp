@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "truth/ray.hpp"
 #include "volume/scalars.hpp"
 
 namespace ringsplat::truth {
@@ -129,8 +130,7 @@ Tints::Tints(const Scene& scene) : scene_(scene), any_(!scene.labels.empty()) {
 
 glm::dvec3 Tints::on(const glm::dvec3& colour, const glm::dvec3& point) const {
   if (!any_) return colour;
-  const glm::ivec3 voxel =
-      glm::clamp(glm::ivec3(glm::floor(point + 0.5)), glm::ivec3(0), scene_.grid.dims - 1);
+  const glm::ivec3 voxel = nearest_voxel(point, scene_.grid.dims);
   const glm::dvec4& tint = of_label_[scene_.labels[scene_.index(voxel)]];
   return glm::mix(colour, glm::dvec3(tint), tint.w);
 }

@@ -163,8 +163,8 @@ class SheetTracer : Tracer {
     if (!curve_.visible(low, high)) return;
     SlabIntegral slab = integrate_slab(curve_, *ends.front, *ends.back, length(ray, front, back));
     // Of slices that are equally near the front one counts.
-    constexpr double middle = 0.5 - 1e-9;
-    slab.colour = tints_.on(slab.colour, glm::mix(meets(ray, front.z), meets(ray, back.z), middle));
+    constexpr double middle = 0.5 - 1e-6;
+    slab.colour = tints_.on(slab.colour, place_between(ray, front, back, middle));
     const double opacity =
         part < 1 && slab.opacity < 1 ? -std::expm1(part * std::log1p(-slab.opacity)) : slab.opacity;
     composite(ray, slab, opacity, front, back, seen);
@@ -182,8 +182,7 @@ class SheetTracer : Tracer {
       SlabIntegral slab = integrate_slab(curve_, *value, *value, part * length(ray, front, back));
       slab.centroid = from + part * slab.centroid;
       slab.spread *= part;
-      slab.colour =
-          tints_.on(slab.colour, glm::mix(meets(ray, front.z), meets(ray, back.z), from + 0.5 * part));
+      slab.colour = tints_.on(slab.colour, place_between(ray, front, back, from + 0.5 * part));
       composite(ray, slab, slab.opacity, front, back, seen);
     }
   }
@@ -201,11 +200,16 @@ class SheetTracer : Tracer {
     return faces;
   }
 
+  /// At a share of the way between two sheets.
+  glm::dvec3 place_between(const LatticeRay& ray, const Sheet& front, const Sheet& back, double share) const {
+    return glm::mix(meets(ray, front.z), meets(ray, back.z), share);
+  }
+
   /// That of the voxel half-way between two shares of the way between two sheets.
   std::optional<double> value_between(const LatticeRay& ray, const Sheet& front, const Sheet& back,
                                       double from, double to) const {
-    const glm::dvec3 middle = glm::mix(meets(ray, front.z), meets(ray, back.z), 0.5 * (from + to));
-    const glm::ivec3 voxel = nearest_voxel(middle, scene_.grid.dims);
+    const glm::ivec3 voxel =
+        nearest_voxel(place_between(ray, front, back, 0.5 * (from + to)), scene_.grid.dims);
     const auto values = cell_values(scene_, curve_, {voxel, voxel});
     return values ? std::optional(values->low) : std::nullopt;
   }
