@@ -2,47 +2,28 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
 #include "ringsplat/base/error.hpp"
 #include "truth/cubic.hpp"
-#include "truth/enclosed_piece.hpp"
-#include "truth/passage.hpp"
-#include "truth/ray.hpp"
+#include "truth/enclosed_projection.hpp"
+#include "truth/enclosed_tracer.hpp"
 
 namespace ringsplat::truth {
 namespace {
 
-class Certifier : Tracer {
+class Certifier : EnclosedTracer {
  public:
   Certifier(const Scene& scene, double width, int most_pieces)
-      : Tracer(scene),
-        width_(width),
-        most_pieces_(most_pieces),
-        lines_(curve_),
-        gradients_(scene),
-        grown_(scene, resized(tube)),
-        shrunk_(scene, resized(-tube)) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const double v : scene.values) {
-      const double finite = curve_.bounded(v);
-      if (std::isnan(finite)) continue;
-      low = std::min(low, finite);
-      high = std::max(high, finite);
-    }
-    if (low <= high) values_ = {low, high};
-    const glm::dmat3 to_world = against_gradient(scene.grid.direction, scene.grid.spacing);
-    constexpr double largest_difference = 2;  // of values that Gradients scales to at most 1
-    for (int k = 0; k < 3; ++k)
-      for (int row = 0; row < 3; ++row) steepest_ += 2 * largest_difference * std::abs(to_world[k][row]);
-  }
+      : EnclosedTracer(scene), width_(width), most_pieces_(most_pieces) {}
 
   PixelBounds along(Pixel pixel) const {
-    const LatticeRay ray = rays_.through(pixel);
-    if (!(ray.enter < ray.leave))
-      return grown_.hit(pixel) ? PixelBounds{} : PixelBounds{Rgba(0.0), Rgba(0.0)};
+    return seen_by(pixel, [&](const LatticeRay& ray) { return composited(ray); });
+  }
+
+ private:
+  EnclosedPiece composited(const LatticeRay& ray) const {
     Sight sight{.pieces_left = most_pieces_};
     const std::vector<Uncertain> cuts = uncertain_cuts(scene_, ray);
     for (std::size_t i = 0; i + 1 < cuts.size() && !hidden(sight); ++i)
@@ -50,12 +31,9 @@ class Certifier : Tracer {
     sight.rest_open = hidden(sight);
     EnclosedPiece seen = composited(sight);
     while (!(seen.width() <= width_) && sharpen(sight, seen.width())) seen = composited(sight);
-    PixelBounds bounds = bounds_of(seen);
-    if (!shrunk_.hit(pixel)) bounds.low = Rgba(0.0);
-    return bounds;
+    return seen;
   }
 
- private:
   /// Between two places of a passage, in parts of it.
   struct Piece {
     EnclosedPiece known;
@@ -91,33 +69,14 @@ class Certifier : Tracer {
     return seen;
   }
 
-  LatticeBox resized(double by) const {
-    const LatticeBox box = voxel_faces(scene_);
-    return {box.low - by, box.high + by};
-  }
-
-  static PixelBounds bounds_of(const EnclosedPiece& seen) {
-    const auto& [red, green, blue] = seen.colour;
-    const Interval channels[] = {red, green, blue, clamped(1.0 - seen.transmittance, 0, 1)};
-    PixelBounds bounds;
-    for (int c = 0; c < 4; ++c) {
-      bounds.low[c] = channels[c].lower();
-      bounds.high[c] = channels[c].upper();
-      // Whatever was no number proves nothing.
-      if (!(bounds.low[c] <= bounds.high[c])) return {};
-    }
-    return bounds;
-  }
-
   void pass(const LatticeRay& ray, const Passage& passage, Sight& sight) const {
     if (!(passage.length.lower() > 0) || beside_other_medium(ray, passage)) {
-      sight.add({unknown(passage), 0, 0, 1, true});
+      sight.add({unknown(ray, passage), 0, 0, 1, true});
       return;
     }
     const auto values = cell_values(scene_, curve_, passage.shown);
     if (!values) return;
-    // How far the field is from the cell's own: each axis changes it by less than the values' range a voxel.
-    const double extra = passage.beside > 0 ? 3 * passage.beside * width(values_) : 0;
+    const double extra = off_cell(passage);
     if (!curve_.visible(values->low - extra, values->high + extra)) return;
     sight.stretches.push_back(medium_of(ray, passage, *values, extra));
     const auto line = [&](double value) { return lines_.line_of(value); };
@@ -129,65 +88,6 @@ class Certifier : Tracer {
     const std::vector<double> cuts = cuts_at_knots(cubic_along(0, 1, value_at), curve_.knots());
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
       if (cuts[i] < cuts[i + 1]) look(sight.stretches.size() - 1, cuts[i], cuts[i + 1], sight);
-  }
-
-  /// Where a ray runs along a face, or along an edge, what is on the other side counts as well.
-  bool beside_other_medium(const LatticeRay& ray, const Passage& passage) const {
-    if (!scene_.nearest()) return passage.beside > 0 && !values_around(passage);
-    for (int k = 0; k < 3; ++k) {
-      if (!may_run_along_faces(ray.step[k])) continue;
-      for (const double s : {passage.enter, passage.leave}) {
-        constexpr double towards_greater = 1e-9;  // as nearest_voxel() rounds
-        const double place = ray.at(s)[k] + 0.5 + towards_greater - passage.shown.low[k];
-        if (!(place > tube && place < 1 - tube)) return true;
-      }
-    }
-    return false;
-  }
-
-  Polynomial value_of(const CellValues& values, const Passage& passage) const {
-    if (values.low == values.high) return {Interval(values.low), 0.0, 0.0, 0.0};
-    Corners<Interval> corners;
-    std::copy(values.corners.begin(), values.corners.end(), corners.begin());
-    return along_passage(corners, passage);
-  }
-
-  CellMedium medium_of(const LatticeRay& ray, const Passage& passage, const CellValues& values,
-                       double extra) const {
-    CellMedium medium{value_of(values, passage), std::nullopt, passage.length};
-    if (extra > 0) medium.value[0] += within(extra);
-    if (!scene_.shaded()) return medium;
-    const Corners<glm::dvec3> normals = cell_normals(gradients_, passage.cell);
-    const bool level = std::ranges::all_of(normals, [](const glm::dvec3& n) { return n == glm::dvec3(0.0); });
-    if (level && passage.beside == 0) return medium;
-    std::array<Polynomial, 3> normal;
-    for (int k = 0; k < 3; ++k) {
-      Corners<Interval> corners;
-      for (std::size_t c = 0; c < 8; ++c) {
-        constexpr double rounding = 1e-14;
-        corners[c] = normals[c][k] + within(rounding * glm::length(normals[c]));
-      }
-      normal[std::size_t(k)] = along_passage(corners, passage);
-      normal[std::size_t(k)][0] += within(3 * passage.beside * steepest_);
-    }
-    medium.light.emplace(scene_.frame.shown.material, phong_.to_light(), ray.to_viewer, normal);
-    return medium;
-  }
-
-  /// The values of all voxels that a ray beside the passage's cell may see; nothing where one is no number.
-  std::optional<Interval> values_around(const Passage& passage) const {
-    Interval all = Interval::empty();
-    const glm::ivec3 first = glm::max(passage.cell.low - 1, 0),
-                     last = glm::min(passage.cell.high + 1, scene_.grid.dims - 1);
-    bool complete = true;
-    for (int z = first.z; z <= last.z; ++z)
-      for (int y = first.y; y <= last.y; ++y)
-        for (int x = first.x; x <= last.x; ++x) {
-          const double v = curve_.bounded(scene_.values[scene_.index({x, y, z})]);
-          complete = complete && !std::isnan(v);
-          if (!std::isnan(v)) all = hull(all, Interval(v));
-        }
-    return complete ? std::optional(all) : std::nullopt;
   }
 
   /// `front`: what is let through before it.
@@ -254,16 +154,9 @@ class Certifier : Tracer {
   }
 
   /// A passage of which only what is near it is known.
-  EnclosedPiece unknown(const Passage& passage) const {
+  EnclosedPiece unknown(const LatticeRay& ray, const Passage& passage) const {
     Extremes e;
-    const auto around = values_around(passage);
-    e.value = around.value_or(values_);
-    const auto values = cell_values(scene_, curve_, passage.cell);
-    if (values && around && !scene_.nearest()) {
-      constexpr double voxels = 1e-6;  // many times what a passage of no sure length crosses
-      e.value = series_of<0>(value_of(*values, passage), Interval(0.5), 0.5)[0] +
-                within(3 * voxels * width(values_));
-    }
+    e.value = values_near(ray, passage).value_or(values_);
     e.of_curve = lines_.over(e.value);
     if (scene_.shaded()) {
       e.light = EnclosedLight::any(scene_.frame.shown.material);
@@ -276,25 +169,20 @@ class Certifier : Tracer {
 
   double width_;
   int most_pieces_;
-  EnclosedCurve lines_;
-  Gradients gradients_;
-  Rays grown_, shrunk_;
-  Interval values_ = 0;  ///< of all voxels that are numbers
-  double steepest_ = 0;  ///< how much a normal's component changes from voxel to voxel, at most
 };
 
 }  // namespace
 
 std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pixel> pixels, double width,
                                           int most_pieces) {
-  if (scene.frame.shown.mode != Mode::composite)
-    throw InputError("only --mode composite has certified bounds",
-                     "measure other modes by --error field: they are exact but for float32");
   const Shown& shown = scene.frame.shown;
-  if (!shown.clip_planes.empty() || shown.edges || !shown.tints.empty())
-    throw InputError("certified bounds know no --clip-plane, --tf2d or --mask-as",
+  if (shown.mode == Mode::attenuated)
+    throw InputError("--mode attenuated has no certified bounds", "measure it by --error field");
+  if (!shown.clip_planes.empty() || shown.edges || !shown.tints.empty() || shown.values)
+    throw InputError("certified bounds know no --clip-plane, --tf2d, --mask-as or --values",
                      "measure by --error field");
-  if (scene.frame.shown.clip) return certified_bounds(cropped(scene), pixels, width, most_pieces);
+  if (shown.clip) return certified_bounds(cropped(scene), pixels, width, most_pieces);
+  if (shown.mode != Mode::composite) return projected_bounds(scene, pixels);
   const Certifier certifier(scene, width, most_pieces);
   return along_rays(scene, pixels, [&](Pixel pixel) { return certifier.along(pixel); });
 }

@@ -22,11 +22,12 @@ struct PixelBounds {
   }
 };
 
-/// Bounds of the field's integral (field_truth), proved by arithmetic of intervals: docs/certified.md has the
+/// Bounds of the field's truth (field_truth), proved by arithmetic of intervals: docs/certified.md has the
 /// proof. They are refined until no channel is wider than `width`, in a colour from 0 to 1, or until
-/// `most_pieces` of a ray have been enclosed: bounds are then wider, but hold as well. All cores.
+/// `most_pieces` of a ray have been enclosed: bounds are then wider, but hold as well. In modes other than
+/// compositing they are at once as narrow as numbers allow. All cores.
 ///
-/// Throws InputError for modes other than compositing.
+/// Throws InputError for Mode::attenuated, clip planes, edges, tints and Shown::values.
 std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pixel> pixels, double width,
                                           int most_pieces = 50'000);
 

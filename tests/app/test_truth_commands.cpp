@@ -120,6 +120,38 @@ TEST_CASE("a certificate holds what is measured, on any ranks", "[mpi]") {
   CHECK(rmse_of(w, "middle.exr", "field.exr") < 0.05);
 }
 
+TEST_CASE("extrema and integrals of the head are certified, on any ranks", "[mpi]") {
+  const Workshop w;
+  const auto command = [&](const std::string& name, const std::string& mode) {
+    return std::vector<std::string>{name,          RINGSPLAT_TEST_DATA "/head.nrrd",
+                                    "-o",          w / (name + ".exr"),
+                                    "--size",      "48x48",
+                                    "--azimuth",   "20",
+                                    "--elevation", "10",
+                                    "--mode",      mode};
+  };
+  for (const std::string mode : {"mip", "sum"}) {
+    w.must(with(command("reference", mode), {"--truth", "field"}));
+    std::vector<json> errors;
+    for (const int ranks : {1, 2}) {
+      const Ended ended =
+          w.must(with(command("render", mode), {"--error", "certified", "--error-pixels", "10000"}), ranks);
+      CHECK_THAT(ended.out, Catch::Matchers::Contains("error certified against the field"));
+      errors.push_back(json::parse(read_image(w / "render.exr").settings).at("error"));
+      const json apart =
+          json::parse(w.must({"compare", w / "render.exr", w / "reference.exr", "--json"}).out);
+      // The reference is rounded to float32.
+      CHECK(apart.at("largest").get<double>() <= errors.back().at("largest").get<double>() + 1e-4);
+      CHECK(apart.at("largest").get<double>() >= errors.back().at("largest_low").get<double>() - 1e-4);
+    }
+    CHECK(errors[0] == errors[1]);
+    CHECK(errors[0].at("largest") < 1);
+    CHECK(errors[0].at("widest") < 1e-4);
+  }
+  w.must(with(command("reference", "sum"), {"--truth", "certified"}));
+  CHECK(rmse_of(w, "render.exr", "reference.exr") < 0.1);
+}
+
 TEST_CASE("a guarantee holds for every pixel, on any ranks", "[mpi]") {
   const Workshop w;
   w.must(w.view("reference", "field.exr"));
@@ -204,10 +236,10 @@ TEST_CASE("truths that cannot be are refused with the way out") {
        "--error certified"},
       {with(w.view("render", "x.exr"), {"--error-map", w / "map.png"}), "--error"},
       {with(w.view("render", "x.exr"), {"--error", "field", "--error-map", w / "map.jpg"}), "--error-map"},
-      {{"render", w.volume(), "-o", w / "x.exr", "--error", "certified", "--mode", "mip"},
-       "--mode composite"},
-      {{"reference", w.volume(), "-o", w / "x.exr", "--truth", "certified", "--mode", "mip"},
-       "--mode composite"},
+      {{"render", w.volume(), "-o", w / "x.exr", "--error", "certified", "--mode", "attenuated"},
+       "--mode attenuated"},
+      {{"reference", w.volume(), "-o", w / "x.exr", "--truth", "certified", "--mode", "attenuated"},
+       "--mode attenuated"},
   };
   for (const auto& [arguments, named] : wrong) {
     const Ended ended = run_program(arguments);
