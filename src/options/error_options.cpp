@@ -39,6 +39,24 @@ void settle_mode(const OptionList& list, RenderOptions& o) {
   if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
 }
 
+/// Which engines a budget is to be kept with.
+void settle_engines(const OptionList& list, RenderOptions& o) {
+  // A method's truth is its own, so that only the field's tells which engine is nearer.
+  o.budget.to_field = o.budget.max_error && *o.error.truth != TruthKind::method;
+  if (!o.budget.to_field) return;
+  if (engine_is_chosen(list)) {
+    o.budget.fixed.emplace("--engine");
+    return;
+  }
+  const Shown& shown = o.frame.shown;
+  const bool only_sheets = shown.camera.fov > 0 || !shown.clip_planes.empty() || shown.edges ||
+                           o.colour.mode != Mode::composite || o.volume.mask.covered != Covered::alone;
+  if (only_sheets) return;
+  MethodOptions other = o.method;
+  other.engine = Engine::splats;
+  o.budget.other_engine = method_for(other);
+}
+
 }  // namespace
 
 void add_error_options(OptionList& list, RenderOptions& o) {
@@ -86,28 +104,6 @@ void add_reference_options(OptionList& list, ReferenceOptions& o) {
        parsed(o.picture.background, parse_colour)},
   };
 }
-
-namespace {
-
-/// Which engines a budget is to be kept with.
-void settle_engines(const OptionList& list, RenderOptions& o) {
-  // A method's truth is its own, so that only the field's tells which engine is nearer.
-  o.budget.to_field = o.budget.max_error && *o.error.truth != TruthKind::method;
-  if (!o.budget.to_field) return;
-  if (engine_is_chosen(list)) {
-    o.budget.fixed.emplace("--engine");
-    return;
-  }
-  const Shown& shown = o.frame.shown;
-  const bool only_sheets = shown.camera.fov > 0 || !shown.clip_planes.empty() || shown.edges ||
-                           o.colour.mode != Mode::composite || o.volume.mask.covered != Covered::alone;
-  if (only_sheets) return;
-  MethodOptions other = o.method;
-  other.engine = Engine::splats;
-  o.budget.other_engine = method_for(other);
-}
-
-}  // namespace
 
 void settle_picture(const OptionList& list, RenderOptions& o) {
   if (o.colour.values && !o.output.empty() && !detail::lower_case(o.output).ends_with(".exr"))

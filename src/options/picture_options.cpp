@@ -1,15 +1,17 @@
-// The options of a picture, but for those of its method as a whole (method_options.cpp).
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <tuple>
+#include <type_traits>
 
 #include "frame/frame_fields.hpp"
 #include "frame/frame_geometry.hpp"
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -69,16 +71,20 @@ bool is_solid(std::optional<glm::dvec3> extents) {
   return 3 * extents->x >= extents->y;
 }
 
-}  // namespace
-
-void add_series_options(OptionList& list, RenderOptions& o) {
-  list.below("Volume") += {
-      {"--frames", "A:B[:STEP]|all", nullptr,
-       "The volumes of a series, from A to before B, or all; VOLUME is a file with several time points, or a "
-       "quoted pattern: 'step_*.nrrd', counted from 0, or step_%04d.nrrd, with the names' own numbers",
-       parsed(o.frames, parse_frames)},
-  };
+/// With plane and samples, which both methods have; a method on the screen has no samples.
+template <class How>
+How placed(How how, const MethodOptions& o) {
+  how.image_plane = o.image_plane.value_or(how.image_plane);
+  const double samples = how.image_plane == ImagePlane::screen ? 1 : o.samples.value_or(how.plane_samples);
+  constexpr bool whole = std::is_integral_v<decltype(how.plane_samples)>;
+  if (whole && !(samples == std::floor(samples) && std::abs(samples) < 1e6))
+    throw InputError(fmt::format("--samples cannot be {} with splats", samples),
+                     "use 1, 2 or 4 pixels a voxel, or --engine sheets");
+  how.plane_samples = static_cast<decltype(how.plane_samples)>(samples);
+  return how;
 }
+
+}  // namespace
 
 void add_render_output_options(OptionList& list, RenderOptions& o) {
   list.below("Output") += {
@@ -130,6 +136,10 @@ void add_clip_options(OptionList& list, RenderOptions& o) {
          else
            std::tie(o.clip, o.slice) = parse_slice(slice, option);
        })},
+      {"--frames", "A:B[:STEP]|all", nullptr,
+       "The volumes of a series, from A to before B, or all; VOLUME is a file with several time points, or a "
+       "quoted pattern: 'step_*.nrrd', counted from 0, or step_%04d.nrrd, with the names' own numbers",
+       parsed(o.frames, parse_frames), Mark::of_program},
   };
 }
 
@@ -199,6 +209,8 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        all_of(o.frame.shown.light)},
       {"--tf", "NAME|FILE", initial, "Transfer function: a preset (info --presets) or a ParaView JSON file",
        value(o.transfer_function)},
+      {"--tf-out", "FILE", nullptr, "Write the transfer function used, as ParaView JSON",
+       value(o.transfer_function_out), Mark::of_program},
   };
   list.below("Colours") += {
       {"--range", "LO:HI", nullptr,
@@ -243,10 +255,23 @@ void add_size_options(OptionList& list, RenderOptions& o) {
   };
 }
 
-void add_tf_output_options(OptionList& list, RenderOptions& o) {
+void add_method_options(OptionList& list, RenderOptions& o) {
   list.below("Picture") += {
-      {"--tf-out", "FILE", nullptr, "Write the transfer function used, as ParaView JSON",
-       value(o.transfer_function_out)},
+      {"--quality", nullptr, name(usual_quality),
+       "Splats as in the paper, or sheets, from the fastest (draft) to the most exact (best); single options "
+       "come first",
+       choice(o.method.quality, named({Quality::paper, Quality::draft, Quality::normal, Quality::best}))},
+      {"--engine", nullptr, nullptr,
+       "Splats: voxels are classified and splatted; sheets: scalars are interpolated and then classified; "
+       "without it --quality says",
+       choice(o.method.engine, named({Engine::splats, Engine::sheets}))},
+      {"--slabs", "1|2|3|4", nullptr,
+       "Sheets: pre-integrated slabs from slice to slice; without it 2 for --quality draft and normal, else "
+       "3",
+       value(o.method.slabs), Mark::of_sheets},
+      {"--light-points", "1|2", nullptr,
+       "Sheets: points of a slab that are lit; without it 1 for --quality draft, else 2",
+       value(o.method.light_points), Mark::of_sheets},
   };
 }
 
@@ -319,6 +344,20 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
        choice(o.method.splats.precision, named({Precision::float32, Precision::half, Precision::u8})),
        Mark::of_splats},
   };
+}
+
+Method method_for(const MethodOptions& o) {
+  // The other options change its settings; without --quality those of the engine's best known.
+  const Quality quality = o.quality.value_or(o.engine == Engine::splats ? Quality::paper : usual_quality);
+  if (quality == Quality::paper) return placed(o.splats, o);
+  Sheets sheets = sheets_of(quality);
+  sheets.slabs = o.slabs.value_or(sheets.slabs);
+  sheets.light_points = o.light_points.value_or(sheets.light_points);
+  return placed(sheets, o);
+}
+
+const char* items_of(const Method& method) {
+  return std::holds_alternative<Sheets>(method) ? "blocks" : "splats";
 }
 
 std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes) {
