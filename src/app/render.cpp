@@ -20,7 +20,7 @@ namespace ringsplat::app {
 namespace {
 
 /// Renders the stream's views as they come, and shows when it waits for one while none is under way.
-Director director_of(const FrameSpec& frame, const std::shared_ptr<ViewStream>& stream, FrameOutput& output,
+Director director_of(const FrameSpec& frame, const std::shared_ptr<ViewStream>& stream, FrameSum& sum,
                      Progress& progress) {
   const auto under_way = std::make_shared<int>(0);
   const auto next = [=, &progress, waiting = false]() mutable -> std::optional<FrameSpec> {
@@ -29,13 +29,12 @@ Director director_of(const FrameSpec& frame, const std::shared_ptr<ViewStream>& 
     if (waits != std::exchange(waiting, waits)) progress.wait_for(waits ? "waiting for views on stdin" : "");
     if (!view) return std::nullopt;
     ++*under_way;
-    FrameSpec spec = frame;
-    spec.shown.camera = *view;
-    return spec;
+    return frames_of(frame, {*view}).front();
   };
-  const auto take = [=, &output](FrameResult&& result) {
+  const auto take = [=, &sum](FrameResult&& result) {
     --*under_way;
-    output.take(std::move(result));
+    const auto view = std::size_t(result.spec.frame);
+    sum.add(std::move(result), view, true);
   };
   return {next, take, [stream] { return stream->may_come(); }};
 }
@@ -43,11 +42,7 @@ Director director_of(const FrameSpec& frame, const std::shared_ptr<ViewStream>& 
 /// The stream of `--path -`. What is passed by reference must outlive it.
 std::shared_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSpec& frame, const Grid& grid,
                                            Progress& progress) {
-  const auto check = [&](const Camera& camera) {
-    FrameSpec spec = frame;
-    spec.shown.camera = camera;
-    check_frame(spec, grid);
-  };
+  const auto check = [&](const Camera& view) { check_frame(frames_of(frame, {view}).front(), grid); };
   const auto warn = [&progress](const std::string& text) {
     progress.clear();
     log_warning("{}", text);
@@ -73,52 +68,18 @@ void finish(FrameOutput& output, Launch& launch) {
   if (launch.rank() == 0) output.make_film();
 }
 
-/// Each volume, or channel, is drawn while the next is read. Transfer functions are those of the first
-/// volume, so that colours mean the same in all pictures.
-ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
-  const std::size_t volumes = job.volumes(), views = job.options.frames ? volumes : job.cameras.size();
-  SeriesLoader loader(job, pictures_at_once(job, views), progress, launch);
-  Scene scene = loader.load(0);
-  std::vector<FrameSpec> frames{choose_frame(job, scene, progress, launch)};
-  const ValueRange range = scene.values.range;
-  if (job.annotation) job.annotation->keep_range(range);
-  FrameOutput output(job, range, progress);
-  const bool first_rank = launch.rank() == 0;
-  if (first_rank && job.options.frames)
-    progress.print(fmt::format(
-        "{} volumes, {} to {}; the transfer function {} of the first, {:g} to {:g}, is kept for all", volumes,
-        job.series.front().full_name(), job.series.back().full_name(), frames[0].shown.transfer_function.name,
-        range.low, range.high));
-  progress.begin("rendering", double(views));
-  double last_ended = now_seconds();
-  FrameSum sum([&](FrameResult&& result, std::size_t view) {
-    const double now = now_seconds();
-    result.spec.frame = result.stats.frame = std::int64_t(view);
-    result.stats.period = now - std::exchange(last_ended, now);
-    output.take(std::move(result));
-  });
-  try {
-    for (std::size_t k = 0; k < job.series.size(); ++k) {
-      const std::size_t channel = k % job.channels_drawn();
-      if (k > 0) scene = loader.load(k);
-      if (k > 0 && k < job.channels_drawn())
-        frames.push_back(choose_frame(job, scene, progress, launch, channel));
-      loader.read_ahead(k + 1);
-      if (channel == 0) output.show(job.series[k].volume.path, scene.values.range);
-      draw(job, k, std::exchange(scene, {}), frames[channel], sum, launch);
-    }
-  } catch (const InputError&) {
-    progress.end();
-    if (first_rank) output.finish();
-    throw;
-  }
-  progress.end();
-  finish(output, launch);
-  return ExitCode::done;
+/// Says which volumes there are, and that transfer functions are those of the first, so that colours mean the
+/// same in all pictures.
+void say_series(const Job& job, const std::string& function, const ValueRange& range, Progress& progress) {
+  progress.print(fmt::format(
+      "{} volumes, {} to {}; the transfer function {} of the first, {:g} to {:g}, is kept for all",
+      job.series.size(), job.name_of_part(0), job.name_of_part(job.parts() - 1), function, range.low,
+      range.high));
 }
 
 }  // namespace
 
+/// Each volume, or channel, is drawn while the next is read.
 ExitCode run(const RenderOptions& given, Launch& launch) {
   Job job = prepare(given, launch);
   const RenderOptions& o = job.options;
@@ -126,22 +87,48 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
   const bool to_stdout = is_stdout(o.stats) || is_stdout(o.trace) || is_stdout(o.transfer_function_out);
   // Silent in a simulation: progress in simulated time tells nothing.
   Progress progress(launch.rank() != 0 || simulated(), to_stdout ? stderr : stdout);
-  if (o.frames || !job.channels.empty()) return render_series(job, progress, launch);
-  Scene scene = load(job, job.volume, progress, launch);
-  const FrameSpec frame = choose_frame(job, scene, progress, launch);
-  FrameOutput output(job, scene.values.range, progress);
-  Director director = director_of(frames_of(frame, job.cameras),
-                                  [&output](FrameResult&& result) { output.take(std::move(result)); });
+  const std::size_t views = o.frames ? job.series.size() : job.cameras.size();
+  SeriesLoader loader(job, pictures_at_once(job, views), progress, launch);
+  Scene scene = loader.load(0);
+  std::vector<FrameSpec> frames{choose_frame(job, scene, progress, launch)};
+  const ValueRange range = scene.values.range;
+  if (job.annotation) job.annotation->keep_range(range);
+  FrameOutput output(job, range, progress);
+  const bool first_rank = launch.rank() == 0;
+  if (first_rank && o.frames) say_series(job, frames[0].shown.transfer_function.name, range, progress);
+  progress.begin("rendering", double(views));
+  double last_ended = now_seconds();
+  FrameSum sum([&](FrameResult&& result, std::size_t view) {
+    if (o.frames || !job.channels.empty()) {  // of several runs
+      const double now = now_seconds();
+      result.spec.frame = result.stats.frame = std::int64_t(view);
+      result.stats.period = now - std::exchange(last_ended, now);
+    }
+    output.take(std::move(result));
+  });
   std::shared_ptr<ViewStream> stream;
-  if (launch.rank() == 0 && o.path == "-") {
-    stream = views_on_stdin(o, frame, job.volume.grid, progress);
-    director = director_of(frame, stream, output, progress);
-  }
-  progress.begin("rendering", double(job.cameras.size()));
+  if (first_rank && o.path == "-") stream = views_on_stdin(o, frames[0], job.volume.grid, progress);
   Trace trace;
   ProtocolOptions protocol = o.run.protocol;
   if (!o.trace.empty()) protocol.trace = &trace;
-  render_all(job, protocol, std::move(scene), std::move(director), launch);
+  try {
+    for (std::size_t k = 0; k < job.parts(); ++k) {
+      const std::size_t channel = k % job.channels_drawn();
+      if (k > 0) scene = loader.load(k);
+      if (k > 0 && k < job.channels_drawn())
+        frames.push_back(choose_frame(job, scene, progress, launch, channel));
+      loader.read_ahead(k + 1);
+      if (channel == 0) output.show(job.part(k).path, scene.values.range);
+      render_all(
+          job, protocol, std::exchange(scene, {}),
+          stream ? director_of(frames[0], stream, sum, progress) : director_of(job, k, frames[channel], sum),
+          launch);
+    }
+  } catch (const InputError&) {
+    progress.end();
+    if (first_rank) output.finish();
+    throw;
+  }
   progress.end();
   const auto judge = [&] { return output.judge(); };
   const auto replace = [&](FrameResult&& result) { output.replace(std::move(result)); };

@@ -18,6 +18,8 @@
 
 namespace ringsplat::app {
 
+void fields(SeriesEntry& entry, auto& archive) { archive(entry.number, entry.path, entry.frame, entry.name); }
+
 /// Before its transfer function is chosen.
 void fields(DrawnChannel& channel, auto& archive) {
   archive(channel.choice, channel.name, channel.colour, channel.window);
@@ -84,7 +86,7 @@ void refuse_replacing_volumes(const RenderOptions& o, const std::vector<SeriesEn
   std::error_code error;
   std::set<std::filesystem::path> volumes;
   for (const SeriesEntry& entry : series)
-    volumes.insert(std::filesystem::weakly_canonical(entry.volume.path, error));
+    volumes.insert(std::filesystem::weakly_canonical(entry.path, error));
   for (const SeriesEntry& entry : series) {
     const auto picture = file_of_view(o, o.output, std::size_t(entry.number));
     if (volumes.contains(std::filesystem::weakly_canonical(picture, error)))
@@ -99,22 +101,6 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Came
   std::array<bool, 3> axes{};
   if (launch.rank() == 0) axes = needed_axes(o.frame, cameras, grid, o.budget.other_engine);
   return launch.of_rank_0(axes);
-}
-
-/// The volumes of the series in all of the channels that are drawn together.
-void part_into_channels(Job& job, const std::string& wanted, Launch& launch) {
-  launch.check_on_rank_0([&] { job.channels = find_channels(job.series.front().volume, wanted); });
-  job.channels = launch.of_rank_0(job.channels);
-  std::vector<SeriesEntry> parts;
-  for (SeriesEntry& entry : job.series) {
-    if (job.channels.empty()) entry.volume.choice.channel.clear();
-    for (const DrawnChannel& channel : job.channels) {
-      SeriesEntry& part = parts.emplace_back(entry);
-      part.volume.choice.channel = channel.choice;
-      part.channel = channel.name;
-    }
-  }
-  if (!job.channels.empty()) job.series = std::move(parts);
 }
 
 /// What these options need loaded when the views traverse `axes`.
@@ -147,34 +133,36 @@ void warn_of_errors(const RenderOptions& o, const FrameSpec& frame, const DataRa
 void find_volumes(Job& job, Launch& launch) {
   RenderOptions& o = job.options;
   const std::string wanted = o.volume.choice.channel;
-  if (names_channels(wanted)) o.volume.choice.channel = "all";
-  job.series = find_series(o.volume, o.frames, launch);
-  if (names_channels(wanted)) part_into_channels(job, wanted, launch);
+  const bool several = names_channels(wanted);
+  if (several) o.volume.choice.channel = "all";
+  launch.check_on_rank_0([&] { job.series = find_series(o.volume, o.frames); });
+  job.series = launch.of_rank_0(job.series);
+  launch.check_on_rank_0([&] {
+    if (several) job.channels = find_channels(job.part(0), wanted);
+  });
+  job.channels = launch.of_rank_0(job.channels);
+  if (several && job.channels.empty()) o.volume.choice.channel.clear();
   if (o.frames && !o.output.empty()) launch.check_on_rank_0([&] { refuse_replacing_volumes(o, job.series); });
-  o.volume = job.series.front().volume;
+  o.volume = job.part(0);
   job.volume = open(o.volume, launch);
   launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, job.volume.grid); });
 }
 
 void check_outputs(const RenderOptions& o) {
-  if (!o.output.empty()) {
+  if (!o.output.empty())
     names_film(o.output) ? check_film(o) : check_image_name(o.output, "-o", !o.background);
-    check_can_write(o.output, "-o");
-  }
   if (!o.error.map.empty()) {
     check_image_name(o.error.map, "--error-map", true);
-    check_can_write(o.error.map, "--error-map");
     static_cast<void>(text_mask("0", 12));  // the scale's letters
   }
-  if (!o.stats.empty()) check_can_write_text(o.stats, "--stats");
-  if (!o.trace.empty()) check_can_write_text(o.trace, "--trace");
-  if (!o.transfer_function_out.empty()) check_can_write_text(o.transfer_function_out, "--tf-out");
-  refuse_clashes({{"-o", o.output},
-                  {"--error-map", o.error.map},
-                  {"--stats", o.stats},
-                  {"--trace", o.trace},
-                  {"--tf-out", o.transfer_function_out}},
-                 {{"the volume", o.volume.path}, {"--path", o.path}, {"--tf", o.transfer_function}});
+  const std::vector<NamedFile> outputs{{"-o", o.output},
+                                       {"--error-map", o.error.map},
+                                       {"--stats", o.stats},
+                                       {"--trace", o.trace},
+                                       {"--tf-out", o.transfer_function_out}};
+  for (const auto& [option, file] : outputs)
+    if (!file.empty()) check_can_write_text(file, option);
+  refuse_clashes(outputs, {{"the volume", o.volume.path}, {"--path", o.path}, {"--tf", o.transfer_function}});
 }
 
 std::size_t pictures_at_once(const Job& job, std::size_t views) {
@@ -208,7 +196,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   launch.check_on_rank_0([&] {
     view_note = complete_view(o, grid, job.volume.notes);
     job.cameras = views_of(o);
-    if (o.frames) check_one_camera_each(job.cameras, o, job.volumes());
+    if (o.frames) check_one_camera_each(job.cameras, o, job.series.size());
     check_frames(o, job.cameras, grid);
     if (o.annotate)
       job.annotation.emplace(grid, job.volume.notes, o.background, o.colour.range, job.channels);
@@ -253,16 +241,15 @@ FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launc
   return frame;
 }
 
-void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum, Launch& launch) {
+Director director_of(const Job& job, std::size_t k, const FrameSpec& frame, FrameSum& sum) {
   const std::size_t channel = k % job.channels_drawn(), volume = k / job.channels_drawn();
   std::vector<Camera> cameras = job.cameras;
   if (job.options.frames && cameras.size() > 1) cameras = {cameras[volume]};
-  const auto take = [&](FrameResult&& result) {
-    const auto view = job.options.frames ? job.series[k].number : result.spec.frame;
-    sum.add(std::move(result), std::size_t(view), channel + 1 == job.channels_drawn());
+  const auto take = [&job, &sum, volume, last = channel + 1 == job.channels_drawn()](FrameResult&& result) {
+    const auto view = job.options.frames ? job.series[volume].number : result.spec.frame;
+    sum.add(std::move(result), std::size_t(view), last);
   };
-  render_all(job, job.options.run.protocol, std::move(scene), director_of(frames_of(frame, cameras), take),
-             launch);
+  return director_of(frames_of(frame, cameras), take);
 }
 
 }  // namespace ringsplat::app

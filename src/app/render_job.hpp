@@ -22,11 +22,9 @@ namespace ringsplat::app {
 /// A volume of a series.
 struct SeriesEntry {
   int number = 0;  ///< of its picture: the one that --frames counts by
-  VolumeOptions volume;
+  std::string path;
+  std::optional<int> frame;  ///< of a file with several
   std::string name;          ///< for people, without folders: "step_0012.nrrd", "film.nii, frame 12"
-  std::string channel = {};  ///< its name, where it is drawn with others
-
-  std::string full_name() const { return channel.empty() ? name : name + ", " + channel; }
 };
 
 struct Place {
@@ -42,17 +40,19 @@ struct Job {
   // On rank 0, as only it reads the small files and writes the results.
   std::optional<TransferFunctionChoice> transfer_function;
   std::vector<Camera> cameras;
-  /// One volume without --frames; of several channels each volume's in turn.
-  std::vector<SeriesEntry> series;
+  std::vector<SeriesEntry> series;       ///< one volume without --frames
   std::vector<DrawnChannel> channels;    ///< that are drawn together, on all ranks as many; else none
-  OpenedVolume volume;                   ///< the first of them
+  OpenedVolume volume;                   ///< the first part
   std::optional<Annotation> annotation;  ///< on rank 0
   LoadOptions load;
   std::vector<std::uint64_t> slice_bytes;   ///< foreseen, by GP
   std::vector<MeasuredShortcuts> measured;  ///< on rank 0, for --max-error: of what a setting is chosen
 
   std::size_t channels_drawn() const { return std::max<std::size_t>(1, channels.size()); }
-  std::size_t volumes() const { return series.size() / channels_drawn(); }
+  /// What is drawn one after another: the volumes, of several channels each volume's in turn.
+  std::size_t parts() const { return series.size() * channels_drawn(); }
+  VolumeOptions part(std::size_t k) const;
+  std::string name_of_part(std::size_t k) const;  ///< for people
 };
 
 // All ranks call what takes a Launch&, in the same order, and throw the same InputError.
@@ -125,7 +125,7 @@ Scene reload(Job& job, Progress& progress, Launch& launch);
 
 /// Draws one of the job's volumes and channels: with --frames one view of it, else all. `sum` gets the
 /// pictures.
-void draw(const Job& job, std::size_t k, Scene scene, const FrameSpec& frame, FrameSum& sum, Launch& launch);
+Director director_of(const Job& job, std::size_t k, const FrameSpec& frame, FrameSum& sum);
 
 /// Changes `frame` (on rank 0, which announces frames) to the cheapest setting that keeps the job's budget,
 /// by the stored calibration or a new one. Returns true when it rendered with `scene`, which is then used up
@@ -157,9 +157,8 @@ std::vector<std::pair<int, std::string>> files_of_pattern(const std::string& pat
 std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& numbers,
                                const std::string& what);
 
-/// The volumes that are asked for: without --frames the one. Rank 0 looks for them; all get the same list.
-std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames,
-                                     Launch& launch);
+/// The volumes that are asked for: without --frames the one. Throws InputError when they cannot be found.
+std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames);
 
 /// Loads the volumes of a series, one at a time, all of one grid. While one is drawn a thread of each process
 /// reads of the next what the process was asked for of the last one; it calls no MPI. All processes call all
@@ -180,7 +179,6 @@ class SeriesLoader {
   void read_ahead(std::size_t k);
 
  private:
-  OpenedVolume opened(std::size_t k);
   OpenedVolume open_like_the_first(std::size_t k);
 
   const Job& job_;

@@ -16,11 +16,6 @@
 
 namespace ringsplat::app {
 
-/// The rest of a volume's options is every rank's.
-void fields(SeriesEntry& entry, auto& archive) {
-  archive(entry.number, entry.volume.path, entry.volume.choice.frame, entry.name);
-}
-
 namespace {
 
 namespace fs = std::filesystem;
@@ -80,15 +75,6 @@ std::string base_name(const std::string& path) {
   return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
-std::vector<SeriesEntry> volumes_of_pattern(const VolumeOptions& volume) {
-  std::vector<SeriesEntry> entries;
-  for (const auto& [number, file] : files_of_pattern(volume.path)) {
-    entries.push_back({number, volume, base_name(file)});
-    entries.back().volume.path = file;
-  }
-  return entries;
-}
-
 std::vector<SeriesEntry> volumes_in_file(const VolumeOptions& volume, const FrameRange& range) {
   VolumeOptions first = volume;
   first.choice.frame = 0;  // so that nobody is told which one is shown
@@ -97,31 +83,10 @@ std::vector<SeriesEntry> volumes_in_file(const VolumeOptions& volume, const Fram
     throw InputError(fmt::format("--frames {}: {} holds one volume", range.text, printable(volume.path)),
                      "for a series of files give a pattern in quotes, such as 'step_*.nrrd'");
   std::vector<SeriesEntry> entries;
-  for (int number = 0; number < count; ++number) {
-    entries.push_back({number, volume, fmt::format("{}, frame {}", base_name(volume.path), number)});
-    entries.back().volume.choice.frame = number;
-  }
+  for (int number = 0; number < count; ++number)
+    entries.push_back(
+        {number, volume.path, number, fmt::format("{}, frame {}", base_name(volume.path), number)});
   return entries;
-}
-
-std::vector<SeriesEntry> look_for(const VolumeOptions& volume, const std::optional<FrameRange>& range) {
-  try {
-    const bool pattern = is_pattern(volume.path);
-    if (!range && pattern)
-      throw InputError(fmt::format("{} is no file, but a pattern for several", printable(volume.path)),
-                       "add --frames all, or name one file");
-    if (!range) return {{0, volume, base_name(volume.path)}};
-    auto entries = pattern ? volumes_of_pattern(volume) : volumes_in_file(volume, *range);
-    std::vector<int> numbers;
-    for (const SeriesEntry& entry : entries) numbers.push_back(entry.number);
-    const auto chosen = chosen_frames(*range, numbers, printable(volume.path));
-    std::erase_if(
-        entries, [&](const SeriesEntry& entry) { return !std::ranges::binary_search(chosen, entry.number); });
-    return entries;
-  } catch (const fs::filesystem_error& error) {
-    throw InputError(fmt::format("cannot look for {}: {}", printable(volume.path), error.code().message()),
-                     "check the path and the permissions");
-  }
 }
 
 }  // namespace
@@ -163,19 +128,41 @@ std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& 
   return chosen;
 }
 
-std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames,
-                                     Launch& launch) {
-  std::vector<SeriesEntry> entries;
-  launch.check_on_rank_0([&] { entries = look_for(volume, frames); });
-  if (!frames) return {{0, volume, base_name(volume.path)}};
-  entries = launch.of_rank_0(entries);
-  for (SeriesEntry& entry : entries) {
-    VolumeOptions one = volume;
-    one.path = std::move(entry.volume.path);
-    one.choice.frame = entry.volume.choice.frame;
-    entry.volume = std::move(one);
+std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames) {
+  try {
+    const bool pattern = is_pattern(volume.path);
+    if (!frames && pattern)
+      throw InputError(fmt::format("{} is no file, but a pattern for several", printable(volume.path)),
+                       "add --frames all, or name one file");
+    if (!frames) return {{0, volume.path, volume.choice.frame, base_name(volume.path)}};
+    std::vector<SeriesEntry> entries;
+    if (!pattern) entries = volumes_in_file(volume, *frames);
+    for (const auto& [number, file] : pattern ? files_of_pattern(volume.path) : Numbered())
+      entries.push_back({number, file, volume.choice.frame, base_name(file)});
+    std::vector<int> numbers;
+    for (const SeriesEntry& entry : entries) numbers.push_back(entry.number);
+    const auto chosen = chosen_frames(*frames, numbers, printable(volume.path));
+    std::erase_if(
+        entries, [&](const SeriesEntry& entry) { return !std::ranges::binary_search(chosen, entry.number); });
+    return entries;
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(fmt::format("cannot look for {}: {}", printable(volume.path), error.code().message()),
+                     "check the path and the permissions");
   }
-  return entries;
+}
+
+VolumeOptions Job::part(std::size_t k) const {
+  VolumeOptions one = options.volume;
+  const SeriesEntry& entry = series[k / channels_drawn()];
+  one.path = entry.path;
+  one.choice.frame = entry.frame;
+  if (!channels.empty()) one.choice.channel = channels[k % channels.size()].choice;
+  return one;
+}
+
+std::string Job::name_of_part(std::size_t k) const {
+  const std::string& name = series[k / channels_drawn()].name;
+  return channels.empty() ? name : name + ", " + channels[k % channels.size()].name;
 }
 
 SeriesLoader::SeriesLoader(Job& job, std::size_t pictures, Progress& progress, Launch& launch)
@@ -184,20 +171,25 @@ SeriesLoader::SeriesLoader(Job& job, std::size_t pictures, Progress& progress, L
       progress_(progress),
       launch_(launch),
       grid_(job.volume.grid),
-      ahead_(std::move(job.volume)) {}
+      ahead_(std::move(job.volume)) {
+  job.volume.facts = ahead_->facts;
+}
 
 Scene SeriesLoader::load(std::size_t k) {
-  OpenedVolume volume = opened(k);
-  const SeriesEntry& entry = job_.series[k];
-  if (volume.source && job_.series.size() > 1)
-    volume.source = std::make_unique<NotingSource>(std::move(volume.source), runs_);
+  std::optional<OpenedVolume> volume = std::exchange(ahead_, std::nullopt);
+  if (!volume || ahead_at_ != k) {
+    volume.reset();  // its thread must not read while another is opened
+    volume = open_like_the_first(k);
+  }
+  if (volume->source && job_.parts() > 1)
+    volume->source = std::make_unique<NotingSource>(std::move(volume->source), runs_);
   try {
     Progress& progress = std::exchange(loaded_one_, true) ? silent_ : progress_;
-    return app::load(job_, volume, progress, launch_);
+    return app::load(job_, *volume, progress, launch_);
   } catch (const InputError& e) {
     const std::string what = e.what();
-    if (job_.series.size() == 1 || what.find(entry.volume.path) != std::string::npos) throw;
-    throw InputError(fmt::format("{}: {}", entry.full_name(), what));
+    if (job_.parts() == 1 || what.find(job_.part(k).path) != std::string::npos) throw;
+    throw InputError(fmt::format("{}: {}", job_.name_of_part(k), what));
   }
 }
 
@@ -210,7 +202,7 @@ Scene SeriesLoader::load_channels(std::size_t volume) {
 
 void SeriesLoader::read_ahead(std::size_t k) {
   ahead_.reset();
-  if (k >= job_.series.size()) return;
+  if (k >= job_.parts()) return;
   try {
     ahead_ = open_like_the_first(k);
   } catch (const InputError&) {
@@ -221,22 +213,15 @@ void SeriesLoader::read_ahead(std::size_t k) {
     ahead_->source = std::make_unique<ReadAheadSource>(std::move(ahead_->source), runs_, ahead_bytes_);
 }
 
-OpenedVolume SeriesLoader::opened(std::size_t k) {
-  std::optional<OpenedVolume> volume = std::exchange(ahead_, std::nullopt);
-  if (volume && ahead_at_ == k) return std::move(*volume);
-  volume.reset();  // its thread must not read while another is opened
-  return open_like_the_first(k);
-}
-
 OpenedVolume SeriesLoader::open_like_the_first(std::size_t k) {
-  OpenedVolume volume = open(job_.series[k].volume, launch_);
+  const VolumeOptions part = job_.part(k);
+  OpenedVolume volume = open(part, launch_);
   const Facts here = facts_of(volume.grid), first = facts_of(grid_);
   for (std::size_t fact = 0; fact < here.size(); ++fact)
     if (here[fact] != first[fact])
-      throw InputError(
-          fmt::format("{} has {} {}, but {}, the first, has {}", job_.series[k].volume.path, here[fact].field,
-                      here[fact].value, job_.series.front().full_name(), first[fact].value),
-          "the volumes of a series must lie on one grid: render the others by themselves");
+      throw InputError(fmt::format("{} has {} {}, but {}, the first, has {}", part.path, here[fact].field,
+                                   here[fact].value, job_.name_of_part(0), first[fact].value),
+                       "the volumes of a series must lie on one grid: render the others by themselves");
   return volume;
 }
 

@@ -39,8 +39,8 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function, o.colour); });
   find_volumes(job, launch);
   constexpr std::size_t most = 10000;  // the page gets the names of all
-  if (job.volumes() > most)
-    throw InputError(fmt::format("the series has {} volumes, the viewer shows {}", job.volumes(), most),
+  if (job.series.size() > most)
+    throw InputError(fmt::format("the series has {} volumes, the viewer shows {}", job.series.size(), most),
                      "choose fewer by --frames A:B:STEP");
   const Grid& grid = job.volume.grid;
   o.frame.shown.reduction.prefilter = true;
@@ -108,8 +108,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
               ranges_of(scene),
               scene.values.histogram};
   v.frames.clear();
-  for (std::size_t k = 0; k < job.series.size(); k += job.channels_drawn())
-    v.frames.push_back(job.series[k].name);
+  for (const SeriesEntry& volume : job.series) v.frames.push_back(volume.name);
   v.frame = o.frame;
   v.initial.shown = o.frame.shown;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
@@ -196,24 +195,8 @@ void leave_the_end_to_rank_0() {
   sigaction(SIGINT, &action, nullptr);
 }
 
-/// Loads volume `next`; where that fails, tells pages why and loads `shown` again. Returns the one that is
-/// loaded.
-std::size_t load_next(std::size_t next, std::size_t shown, SeriesLoader& loader, Scene& scene,
-                      serve::Viewer* viewer) {
-  std::size_t loaded = next;
-  try {
-    scene = loader.load_channels(next);
-  } catch (const InputError& e) {
-    if (viewer != nullptr) viewer->not_loaded(int(next), e.what());
-    loaded = shown;
-    scene = loader.load_channels(shown);
-  }
-  if (viewer != nullptr) viewer->loaded(int(loaded), ranges_of(scene));
-  return loaded;
-}
-
 /// Shows one volume of the series after another, as pages ask for them; the next in the same direction is
-/// read meanwhile.
+/// read meanwhile. Where one cannot be loaded, pages are told why, and the one before is loaded again.
 void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewer* viewer, Launch& launch) {
   std::size_t shown = 0;
   bool backwards = false;
@@ -223,8 +206,15 @@ void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewe
                viewer != nullptr ? viewer->director() : Director{}, launch);
     const int next = launch.of_rank_0(viewer != nullptr ? viewer->next_volume().value_or(-1) : -1);
     if (next < 0) return;  // the viewer has ended
-    const std::size_t before =
-        std::exchange(shown, load_next(std::size_t(next), shown, loader, scene, viewer));
+    const std::size_t before = shown;
+    try {
+      scene = loader.load_channels(std::size_t(next));
+      shown = std::size_t(next);
+    } catch (const InputError& e) {
+      if (viewer != nullptr) viewer->not_loaded(next, e.what());
+      scene = loader.load_channels(shown);
+    }
+    if (viewer != nullptr) viewer->loaded(int(shown), ranges_of(scene));
     if (shown != before) backwards = shown < before;
   }
 }

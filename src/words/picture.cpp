@@ -162,12 +162,13 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
     progress.at(double(pictures.size()));
   });
   for (std::size_t channel = 0; channel < job.channels_drawn(); ++channel) {
-    if (channel > 0) job.volume = app::open(job.series[channel].volume, launch);
+    if (channel > 0) job.volume = app::open(job.part(channel), launch);
     Scene scene = app::load(job, job.volume, progress, launch);
     const FrameSpec frame = app::choose_frame(job, scene, progress, launch, channel);
     if (channel == 0) range = scene.values.range;
     progress.begin("rendering", double(job.cameras.size()));
-    app::draw(job, channel, std::move(scene), frame, sum, launch);
+    app::render_all(job, o.run.protocol, std::move(scene), app::director_of(job, channel, frame, sum),
+                    launch);
     progress.end();
   }
   const auto judge = [&] {
