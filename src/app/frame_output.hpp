@@ -151,8 +151,4 @@ std::string why_nearly_empty(const FrameResult& result);
 /// several. `view` counts from 0.
 std::filesystem::path file_of_view(const RenderOptions& options, const std::string& name, std::size_t view);
 
-/// The run's views that are known beforehand: one, an orbit or a path; none when they come on stdin. Throws
-/// InputError for a path that cannot be read.
-std::vector<Camera> views_of(const RenderOptions& options);
-
 }  // namespace ringsplat::app

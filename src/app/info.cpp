@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "app/commands.hpp"
-#include "app/frame_output.hpp"
+#include "app/views.hpp"
 #include "base/log.hpp"
 #include "base/printable.hpp"
 #include "base/process.hpp"
@@ -16,6 +16,7 @@
 #include "program/progress.hpp"
 #include "program/text_output.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
+#include "scene/scene.hpp"
 #include "session/render.hpp"
 #include "volume/clipped.hpp"
 #include "volume/slice_store.hpp"

@@ -5,6 +5,7 @@
 
 #include "app/commands.hpp"
 #include "app/render_job.hpp"
+#include "app/views.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "frame/frame_spec_bytes.hpp"

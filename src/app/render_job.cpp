@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "app/views.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_geometry.hpp"

@@ -140,6 +140,19 @@ std::vector<Camera> read_path(const std::filesystem::path& file, const Camera& d
   return parse_path(in, file.string(), defaults);
 }
 
+std::vector<Camera> views_of(const RenderOptions& o) {
+  const Camera& start = o.frame.shown.camera;
+  if (o.orbit > 0) return orbit(start, o.orbit);
+  if (o.path == "-") return {};
+  if (!o.path.empty()) return read_path(o.path, start);
+  std::vector<Camera> cameras(std::max<std::size_t>(1, o.views.size()), start);
+  constexpr double Camera::*parts[] = {&Camera::azimuth, &Camera::elevation, &Camera::roll, &Camera::zoom};
+  for (std::size_t k = 0; k < o.views.size(); ++k)
+    for (std::size_t p = 0; p < std::size(parts); ++p)
+      cameras[k].*parts[p] = o.views[k][p].value_or(start.*parts[p]);
+  return cameras;
+}
+
 std::filesystem::path numbered(const std::filesystem::path& file, std::size_t index) {
   return file.parent_path() /
          fmt::format("{}-{:04}{}", file.stem().string(), index, file.extension().string());

@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "options/option_values.hpp"
+#include "options/options.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/view/view.hpp"
 
@@ -59,6 +59,10 @@ class PathReader {
 std::vector<Camera> read_path(const std::filesystem::path& file, const Camera& defaults);
 std::vector<Camera> parse_path(std::istream& in, const std::string& where, const Camera& defaults);
 constexpr std::size_t most_views = 1'000'000;
+
+/// The run's views that are known beforehand: one, an orbit or a path; none when they come on stdin. Throws
+/// InputError for a path that cannot be read.
+std::vector<Camera> views_of(const RenderOptions& options);
 
 /// OUT.png -> OUT-0007.png.
 std::filesystem::path numbered(const std::filesystem::path& file, std::size_t index);

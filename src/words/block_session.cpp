@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "app/render_job.hpp"
+#include "app/views.hpp"
 #include "base/log.hpp"
 #include "images/image_io.hpp"
 #include "net/agree.hpp"
