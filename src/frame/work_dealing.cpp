@@ -5,11 +5,48 @@
 #include <cmath>
 #include <numeric>
 #include <queue>
-
-#include "frame/bisection.hpp"
+#include <utility>
 
 namespace ringsplat {
 namespace {
+
+double sum_of(std::span<const double> some) { return std::accumulate(some.begin(), some.end(), 0.0); }
+
+/// Row by row, or column by column where all are clearly wider than high: a volume that is turned round an
+/// upright axis stays in its rows.
+void sort_along_longer_side(const Regions& regions, std::span<RegionWork> work) {
+  PixelRect all = regions.rect(work.front().region);
+  for (const RegionWork& one : work) {
+    const PixelRect rect = regions.rect(one.region);
+    all = {std::min(all.x0, rect.x0), std::min(all.y0, rect.y0), std::max(all.x1, rect.x1),
+           std::max(all.y1, rect.y1)};
+  }
+  constexpr double clearly = 1.4;  // half-way between the shapes that halves of a square have
+  const bool by_column = all.width() > clearly * all.height();
+  const auto place = [&](const RegionWork& one) {
+    return std::pair(by_column ? one.region % regions.columns() : 0, one.region);
+  };
+  std::ranges::sort(work, {}, place);
+}
+
+/// Among the Renderers from `first` on, as many as there is room for.
+void deal_halves(const Regions& regions, std::span<RegionWork> work, std::span<const double> room, int first,
+                 std::vector<int>& owner) {
+  if (work.empty()) return;
+  if (room.size() == 1) {
+    for (const RegionWork& one : work) owner[std::size_t(one.region)] = first;
+    return;
+  }
+  sort_along_longer_side(regions, work);
+  const std::size_t half = room.size() / 2;
+  const double all = sum_of(room), share = all > 0 ? sum_of(room.first(half)) / all : 0.5;
+  double wanted = 0, sum = 0;
+  for (const RegionWork& one : work) wanted += share * one.seconds;
+  std::size_t cut = 0;
+  while (cut < work.size() && sum + 0.5 * work[cut].seconds < wanted) sum += work[cut++].seconds;
+  deal_halves(regions, work.first(cut), room.first(half), first, owner);
+  deal_halves(regions, work.subspan(cut), room.subspan(half), first + int(half), owner);
+}
 
 /// One way to cut the image plane, and who gets what.
 struct Deal {
@@ -87,7 +124,7 @@ std::vector<int> side_by_side(const FrameGeometry& g, const WorkEstimate& work, 
   std::vector<double> spent = busy;
   // How many payloads one gets follows from what it is dealt.
   for (int pass = 0; pass < 2; ++pass) {
-    const double even = (all + std::accumulate(spent.begin(), spent.end(), 0.0)) / double(spent.size());
+    const double even = (all + sum_of(spent)) / double(spent.size());
     std::vector<double> room;
     for (const double one : spent) room.push_back(std::max(0.0, even - one));
     owner = bisect(g.regions, regions, room);
@@ -135,6 +172,12 @@ std::optional<Deal> costliest_first(const FrameGeometry& g, const WorkEstimate& 
 }
 
 }  // namespace
+
+std::vector<int> bisect(const Regions& regions, std::vector<RegionWork> work, std::span<const double> room) {
+  std::vector<int> owner(std::size_t(regions.count()), RegionOwners::nobody);
+  deal_halves(regions, work, room, 0, owner);
+  return owner;
+}
 
 double copies_of_blocks(const FrameGeometry& g, double side) {
   const PixelRect region = g.regions.rect(0);

@@ -120,8 +120,21 @@ double copies_of_blocks(const FrameGeometry& geometry, double side);
 /// What work costs in a frame with such regions: a GP copies a block for all Renderers that see some of it.
 WorkCosts costs_in(const FrameGeometry& geometry, WorkCosts costs);
 
+/// A region that is to be dealt, and the seconds that it takes to draw.
+struct RegionWork {
+  int region = 0;
+  double seconds = 0;
+};
+
+/// Deals neighbouring regions to each Renderer, whose shares are as `room`: recursive coordinate bisection
+/// (Berger and Bokhari 1987). All are cut in two across their longer side, half of the Renderers get either
+/// part, and so on. A cut may have a step of a region, so that parts are even where regions are few. Where
+/// work moves a little, cuts move a little, so that most regions stay where they were. Returns owners by
+/// region, indices of `room`; nobody owns regions that are not among the given ones.
+std::vector<int> bisect(const Regions& regions, std::vector<RegionWork> work, std::span<const double> room);
+
 /// Deals a frame's regions such that Renderers have about the same work. Parts get neighbouring regions
-/// (frame/bisection.hpp), all alike where the estimate says little. Other regions go the costliest first,
+/// (bisect()), all alike where the estimate says little. Other regions go the costliest first,
 /// each to the Renderer with the least so far (Graham 1969, longest processing time first), of several sizes
 /// where none is asked for: smaller ones are dealt more evenly, larger ones cut less; they are left as they
 /// are where the estimate says little. `busy`: by Renderer that gets regions, seconds that its rank is busy

@@ -1,7 +1,6 @@
-#include "frame/bisection.hpp"
-
 #include <numeric>
 
+#include "frame/work_estimate.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
