@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/stencil.hpp"
+#include "splat/splat_sum.hpp"
 
 namespace ringsplat {
 namespace {

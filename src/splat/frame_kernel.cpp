@@ -7,7 +7,6 @@
 #include "ringsplat/base/error.hpp"
 #include "splat/footprint.hpp"
 #include "splat/splat_sum.hpp"
-#include "splat/stencil.hpp"
 
 namespace ringsplat {
 

@@ -12,7 +12,6 @@
 
 #include "base/bit_runs.hpp"
 #include "raster/pixel_vectors-inl.hpp"
-#include "splat/stencil.hpp"
 
 // Highway compiles this file once for each instruction set; what follows is the same for all.
 #ifndef RINGSPLAT_SWEEP_VOXELS_ONCE

@@ -7,7 +7,6 @@
 
 #include "raster/region_image.hpp"
 #include "splat/splat_sum.hpp"
-#include "splat/stencil.hpp"
 
 namespace ringsplat::test {
 
