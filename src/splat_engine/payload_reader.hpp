@@ -37,7 +37,6 @@ class PayloadReader {
 };
 
 /// A reader for a frame's form and precision. The frame must outlive it.
-std::unique_ptr<PayloadReader> make_word_reader(const SplatFrame& frame, const FrameKernel& kernel);
-std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel);
+std::unique_ptr<PayloadReader> make_payload_reader(const SplatFrame& frame, const FrameKernel& kernel);
 
 }  // namespace ringsplat

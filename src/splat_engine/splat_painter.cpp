@@ -25,8 +25,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
     const FrameKernel kernel = make_frame_kernel(frame_->footprint, geometry().view,
                                                  geometry().traversal.axis, frame_->splats.kernel);
     for (Lane& lane : lanes_) {
-      lane.reader = frame_->splats.payload == PayloadForm::words ? make_word_reader(*frame_, kernel)
-                                                                 : make_run_reader(*frame_, kernel);
+      lane.reader = make_payload_reader(*frame_, kernel);
       lane.drawing = false;
     }
     composite_seconds_ = 0;

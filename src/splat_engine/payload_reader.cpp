@@ -1,11 +1,11 @@
+#include "splat_engine/payload_reader.hpp"
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
-#include <functional>
-#include <span>
 #include <utility>
-#include <vector>
 
 #include "base/byte_stream.hpp"
 #include "frame/frame_geometry.hpp"
@@ -14,35 +14,87 @@
 #include "splat/splat_sum.hpp"
 #include "splat/voxel_run.hpp"
 #include "splat/voxel_sum.hpp"
-#include "splat_engine/payload_reader.hpp"
-#include "splat_engine/splat_frame.hpp"
 #include "view/slice_dda.hpp"
 
 namespace ringsplat {
 namespace {
 
-/// Splits a payload of runs into parts, and steps through a part block by block or voxel by voxel.
+/// Splits a payload of groups, which begin with a `Head`, into parts: of one group a region, or of several.
+template <class Head, bool one_group>
+class GroupReader : public PayloadReader {
+ public:
+  std::vector<PayloadPart> parts(std::span<const std::byte> body,
+                                 const std::function<bool(int)>& owned) const final {
+    std::vector<PayloadPart> parts;
+    for (std::size_t at = 0, begin = 0; at < body.size(); begin = at) {
+      Head group;
+      const int last = parts.empty() ? -1 : parts.back().region;
+      if (!take(body, at, group) || group.region < last + int(one_group) || !owned(group.region) ||
+          !pass_group(group, body, at))
+        throw RunError(fmt::format("a payload of {} bytes is not understood at byte {}", body.size(), at),
+                       "all ranks must run the same build");
+      if (group.region != last) parts.push_back({group.region, body.subspan(begin, 0)});
+      PayloadPart& part = parts.back();
+      part.bytes = {part.bytes.data(), part.bytes.size() + (at - begin)};
+    }
+    return parts;
+  }
+
+ private:
+  /// Moves `at` behind the group. Returns false when the group is not whole or is none of the frame's.
+  virtual bool pass_group(const Head& group, std::span<const std::byte> body, std::size_t& at) const = 0;
+};
+
+class WordReader final : public GroupReader<SplatGroup, false> {
+ public:
+  WordReader(const SplatFrame& frame, const FrameKernel& kernel)
+      : sum_(kernel, frame.geometry.regions.rect(0)) {}
+
+  void begin(int, const PayloadPart& part, RegionImage& image) override {
+    sum_.begin(image);
+    body_ = part.bytes;
+    at_ = left_ = 0;
+  }
+
+  bool more() override {
+    while (left_ == 0) {
+      if (!take(body_, at_, group_)) return false;
+      left_ = group_.count;
+    }
+    return true;
+  }
+
+  DrawCounts draw(std::uint32_t most) override {
+    const std::uint32_t count = std::min(most, left_);
+    const auto splats = body_.subspan(at_, count * sizeof(Splat));
+    at_ += splats.size();
+    left_ -= count;
+    return sum_.draw(group_.base_x, group_.base_y, splats);
+  }
+
+  std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
+
+ private:
+  bool pass_group(const SplatGroup& group, std::span<const std::byte> body, std::size_t& at) const override {
+    if ((body.size() - at) / sizeof(Splat) < group.count) return false;
+    at += group.count * sizeof(Splat);
+    return true;
+  }
+
+  SplatSum sum_;
+  std::span<const std::byte> body_;  ///< of the part
+  std::size_t at_ = 0;
+  SplatGroup group_{};
+  std::uint32_t left_ = 0;  ///< splats left in the group
+};
+
+/// Steps through a part of runs block by block or voxel by voxel.
 template <class Voxel>
-class RunCursor : public PayloadReader {
+class RunCursor : public GroupReader<BlockGroup, true> {
  public:
   explicit RunCursor(const FrameGeometry& geometry)
       : width_(std::uint32_t(geometry.grid.slice_width(geometry.traversal.axis))),
         height_(std::uint32_t(geometry.grid.slice_height(geometry.traversal.axis))) {}
-
-  std::vector<PayloadPart> parts(std::span<const std::byte> body,
-                                 const std::function<bool(int)>& owned) const override {
-    std::vector<PayloadPart> parts;
-    for (std::size_t at = 0, begin = 0; at < body.size(); begin = at) {
-      BlockGroup group;
-      const int last = parts.empty() ? -1 : parts.back().region;
-      if (!take(body, at, group) || group.region <= last || !owned(group.region) ||
-          !check_blocks(group, body, at))
-        throw RunError(fmt::format("a payload of {} bytes is not understood at byte {}", body.size(), at),
-                       "all ranks must run the same build");
-      parts.push_back({group.region, body.subspan(begin, at - begin)});
-    }
-    return parts;
-  }
 
   bool more() override { return block_.mask != 0 || blocks_left_ > 0; }
 
@@ -87,8 +139,7 @@ class RunCursor : public PayloadReader {
   }
 
  private:
-  /// Moves `at` behind the group. Returns false when the group is not whole or a block leaves the slice.
-  bool check_blocks(const BlockGroup& group, std::span<const std::byte> body, std::size_t& at) const {
+  bool pass_group(const BlockGroup& group, std::span<const std::byte> body, std::size_t& at) const final {
     if (group.blocks == 0 || (body.size() - at) / sizeof(VoxelRun) < group.blocks) return false;
     std::uint64_t voxels = 0;
     for (std::uint32_t k = 0; k < group.blocks; ++k) {
@@ -206,7 +257,8 @@ class RunReader final : public RunCursor<Voxel> {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel) {
+std::unique_ptr<PayloadReader> make_payload_reader(const SplatFrame& frame, const FrameKernel& kernel) {
+  if (frame.splats.payload == PayloadForm::words) return std::make_unique<WordReader>(frame, kernel);
   const auto aligned = AlignedFrame::of(kernel, frame.geometry.view, frame.geometry.traversal.axis);
   if (aligned) return make_for_voxels<PayloadReader, AlignedReader>(frame.splats.precision, frame, *aligned);
   return make_for_voxels<PayloadReader, RunReader>(frame.splats.precision, frame, kernel);
