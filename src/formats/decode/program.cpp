@@ -87,8 +87,7 @@ void DecodeProgram::close(std::uint32_t source) {
   static_cast<void>(::ftruncate(memory_, 0));  // the next request makes it as large as it needs
 }
 
-DecodeAnswer DecodeProgram::ask(const DecodeRequest& request, const std::string& library,
-                                const std::string& path, std::span<std::byte> voxels) {
+DecodeAnswer DecodeProgram::ask(const DecodeRequest& request, std::span<std::byte> voxels) {
   const std::lock_guard lock(mutex_);
   struct stat status {};
   if (!voxels.empty() &&
@@ -98,7 +97,7 @@ DecodeAnswer DecodeProgram::ask(const DecodeRequest& request, const std::string&
   std::optional<Bytes> message;
   if (!ended_ && send_message(socket_, to_bytes(request))) message = receive_message(socket_);
   auto answer = message ? from_bytes<DecodeAnswer>(*message) : std::nullopt;
-  if (!answer) throw_why_it_ended(library, path);
+  if (!answer) throw_why_it_ended(request);
   for (const auto& line : answer->log) log_line_once(line.level, line.text);
   if (answer->failure && answer->failure->code == ExitCode::bad_input)
     throw InputError(answer->failure->what);
@@ -106,12 +105,13 @@ DecodeAnswer DecodeProgram::ask(const DecodeRequest& request, const std::string&
   for (std::size_t at = 0; at < voxels.size();) {
     const auto got = ::pread(memory_, voxels.data() + at, voxels.size() - at, off_t(at));
     if (got > 0) at += std::size_t(got);
-    if (got == 0 || (got < 0 && errno != EINTR)) throw_why_it_ended(library, path);
+    if (got == 0 || (got < 0 && errno != EINTR)) throw_why_it_ended(request);
   }
   return std::move(*answer);
 }
 
-void DecodeProgram::throw_why_it_ended(const std::string& library, const std::string& path) {
+void DecodeProgram::throw_why_it_ended(const DecodeRequest& request) {
+  constexpr const char* libraries[] = {"HDF5", "OpenImageIO", "GDCM"};  // by DecodedFormat
   const int status = ended_ ? 0 : end();  // it may live on and say what cannot be understood
   const int by = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   if (WIFEXITED(status) && WEXITSTATUS(status) == other_version_code)
@@ -120,7 +120,8 @@ void DecodeProgram::throw_why_it_ended(const std::string& library, const std::st
   const std::string how = by == SIGXCPU ? "comes to no end with it"
                           : by == 0     ? fmt::format("ends on it (exit code {})", WEXITSTATUS(status))
                                         : fmt::format("crashes on it ({})", strsignal(by));
-  refuse(path, "the file is damaged: copy it again", "{} {}", library, how);
+  refuse(request.path, "the file is damaged: copy it again", "{} {}", libraries[std::size_t(request.format)],
+         how);
 }
 
 }  // namespace ringsplat::detail

@@ -22,11 +22,10 @@ class DecodeProgram {
   explicit DecodeProgram(const std::string& file);
   ~DecodeProgram();
 
-  /// Passes the answer's lines on to the log. Throws its failure, and InputError that names `path` and the
-  /// `library` that reads it when the program ends instead of answering. Of a request to read, `voxels` are
+  /// Passes the answer's lines on to the log. Throws its failure, and InputError that names the file and the
+  /// library that reads it when the program ends instead of answering. Of a request to read, `voxels` are
   /// filled.
-  DecodeAnswer ask(const DecodeRequest& request, const std::string& library, const std::string& path,
-                   std::span<std::byte> voxels = {});
+  DecodeAnswer ask(const DecodeRequest& request, std::span<std::byte> voxels = {});
   /// Says that a source is no longer needed.
   void close(std::uint32_t source);
 
@@ -35,7 +34,7 @@ class DecodeProgram {
 
  private:
   int end();  ///< its status as waitpid() tells it
-  [[noreturn]] void throw_why_it_ended(const std::string& library, const std::string& path);
+  [[noreturn]] void throw_why_it_ended(const DecodeRequest& request);
 
   mutable std::mutex mutex_;
   pid_t owner_, child_ = 0;

@@ -11,19 +11,15 @@ namespace {
 /// Of each answer, so that it is copied while it lies in the processor's caches.
 constexpr std::uint64_t usual_bytes = std::uint64_t{4} << 20;
 
-constexpr const char* libraries[] = {"HDF5", "OpenImageIO", "GDCM"};  ///< by DecodedFormat
-
 /// A volume as the program has it open. Other files may end the program; then it is opened again in the next.
 class DecodedSource final : public VolumeSource {
  public:
   DecodedSource(DecodedFormat format, const std::filesystem::path& path, const VolumeChoice& choice)
-      : library_(libraries[std::size_t(format)]) {
-    request_.format = format;
-    request_.folder = std::filesystem::current_path().string();
-    request_.path = path.string();
-    request_.choice = choice;
-    volume_ = open_anew();
-  }
+      : request_{.format = format,
+                 .folder = std::filesystem::current_path().string(),
+                 .path = path.string(),
+                 .choice = choice},
+        volume_(open_anew()) {}
   ~DecodedSource() override { program_->close(request_.source); }
   DecodedSource(const DecodedSource&) = delete;
   DecodedSource& operator=(const DecodedSource&) = delete;
@@ -52,7 +48,7 @@ class DecodedSource final : public VolumeSource {
     program_ = DecodeProgram::running();
     static std::atomic<std::uint32_t> sources = 0;  // that were ever opened
     request_.source = ++sources;
-    return program_->ask(request_, library_, request_.path).volume;
+    return program_->ask(request_).volume;
   }
 
   DecodeAnswer ask(DecodeRequest::Kind kind, int first = 0, int count = 0,
@@ -62,10 +58,9 @@ class DecodedSource final : public VolumeSource {
     request.kind = kind;
     request.first = first;
     request.count = count;
-    return program_->ask(request, library_, request_.path, out);
+    return program_->ask(request, out);
   }
 
-  std::string library_;
   mutable DecodeRequest request_;  ///< that opens it
   mutable std::shared_ptr<DecodeProgram> program_;
   DecodedVolume volume_;
