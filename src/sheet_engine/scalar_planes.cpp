@@ -59,24 +59,6 @@ Number beyond(Number edge, Number inner) {
 
 }  // namespace
 
-Fillers make_fillers(const TransparentValues& transparent, ScalarType type, double low, double high) {
-  Fillers fillers;
-  fillers.fill(low);
-  fillers.back() = std::numeric_limits<double>::quiet_NaN();
-  const bool whole = type != ScalarType::float32 && type != ScalarType::float64;
-  for (std::size_t k = 0; k < transparent.intervals().size(); ++k) {
-    const auto& i = transparent.intervals()[k];
-    if (!std::isfinite(i.low))
-      fillers[k] = low;
-    else if (!std::isfinite(i.high))
-      fillers[k] = high;
-    else
-      fillers[k] = !whole ? 0.5 * (i.low + i.high) : i.has_low ? std::ceil(i.low) : std::floor(i.low) + 1;
-    fillers[k] = std::clamp(fillers[k], low, high);
-  }
-  return fillers;
-}
-
 std::size_t plane_bytes(int width, int height, const PlaneCode& code) {
   return std::size_t(pitch_for(width)) * std::size_t(height + 2 * ScalarPlanes::margin) *
          ((code.floats ? sizeof(float) : sizeof(std::int16_t)) + (code.labelled ? 1 : 0));
@@ -199,17 +181,24 @@ void ScalarPlanes::renew_fillers(Slot& slot) const {
 }
 
 /// Differences at a border read one number beyond it, and that of the next block if the last has one voxel.
-void ScalarPlanes::note_change(int column, int row) {
+void ScalarPlanes::note_change(std::uint32_t block) {
+  const int column = int(block) % columns_, row = int(block) / columns_;
   if (column == 0 || column >= columns_ - 2) changed_rows_.include(row * side, row * side + high(row));
   if (row == 0 || row >= rows_ - 2) changed_columns_.include(column * side, column * side + wide(column));
+}
+
+/// Calls `use` with each row of a block: where it begins in a plane, and its voxels.
+void ScalarPlanes::for_rows(std::uint32_t block, auto&& use) const {
+  for (int y = 0; y < high(int(block) / columns_); ++y)
+    use(place_of(block) + y * pitch_, wide(int(block) % columns_));
 }
 
 /// Calls `change` with each row of a block's labels, where there are any.
 void ScalarPlanes::for_labels(const Place& place, std::uint32_t block, auto&& change) const {
   if (!code_.labelled) return;
-  std::uint8_t* row = labels_of(place.memory) + place_of(block);
-  for (int y = 0; y < high(int(block) / columns_); ++y, row += pitch_)
-    change(std::span(row, std::size_t(wide(int(block) % columns_))));
+  for_rows(block, [&, labels = labels_of(place.memory)](std::ptrdiff_t at, int count) {
+    change(std::span(labels + at, std::size_t(count)));
+  });
 }
 
 template <class Number>
@@ -224,10 +213,10 @@ void ScalarPlanes::fill(const Place& place, std::uint32_t block, std::uint8_t wi
   slot.holds[block] = with;
   const Number number =
       with == BlockState::not_a_number && !code_.floats ? Number{} : coded<Number>(code_, fillers_[with]);
-  const int column = int(block) % columns_, row = int(block) / columns_;
-  Number* voxel = origin<Number>(place.memory) + place_of(block);
-  for (int y = 0; y < high(row); ++y) std::fill_n(voxel + y * pitch_, wide(column), number);
-  note_change(column, row);
+  for_rows(block, [&, voxels_of = origin<Number>(place.memory)](std::ptrdiff_t at, int count) {
+    std::fill_n(voxels_of + at, count, number);
+  });
+  note_change(block);
 }
 
 template <class Number>
@@ -275,7 +264,7 @@ void ScalarPlanes::put_blocks(const Place& place, std::uint8_t voxels_are, const
         });
       } else {
         slot.holds[block] = voxels_are;
-        note_change(column, row);
+        note_change(block);
         from = put_block<Number, T>(place, block, (byte & block_labelled) != 0, from);
       }
     }
@@ -294,16 +283,16 @@ void ScalarPlanes::check_kept(const Slot& slot, std::uint32_t block, int plane) 
 template <class Number, class T>
 const std::byte* ScalarPlanes::put_block(const Place& place, std::uint32_t block, bool labelled,
                                          const std::byte* from) const {
-  const int column = int(block) % columns_, row = int(block) / columns_;
+  const int across = wide(int(block) % columns_);
   Number* voxel = origin<Number>(place.memory) + place_of(block);
-  const auto place_rows = [&](auto across) {
-    for (int y = 0; y < high(row); ++y, from += std::size_t(across) * sizeof(T))
-      convert<Number, T>(from, across, code_, voxel + y * pitch_);
+  const auto place_rows = [&](auto count) {
+    for (int y = 0; y < high(int(block) / columns_); ++y, from += std::size_t(count) * sizeof(T))
+      convert<Number, T>(from, count, code_, voxel + y * pitch_);
   };
-  if (wide(column) == side)
+  if (across == side)
     place_rows(std::integral_constant<int, side>());
   else
-    place_rows(wide(column));
+    place_rows(across);
   if (labelled && !code_.labelled)
     throw RunError("a block has labels in a frame without tints", "all ranks must run the same build");
   for_labels(place, block, [&](std::span<std::uint8_t> labels) {
@@ -388,9 +377,7 @@ void ScalarPlanes::extrapolate_as(int step, int a, int b) {
     std::iota(others_.begin(), others_.end(), 0U);
   }
   for (const std::uint32_t block : others_) {
-    const int column = int(block) % columns_, row = int(block) / columns_;
-    const std::ptrdiff_t place = place_of(block);
-    for (int y = 0; y < high(row); ++y) extrapolate_row(place + y * pitch_, wide(column));
+    for_rows(block, extrapolate_row);
     slot.holds[block] = unknown;
   }
   slot.others.swap(others_);

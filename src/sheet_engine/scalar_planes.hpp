@@ -13,11 +13,6 @@
 
 namespace ringsplat {
 
-/// What stands for the voxels of blocks that were left out: numbers that are as transparent as they are, by
-/// BlockState::transparent.
-using Fillers = std::array<double, BlockState::not_a_number + 1>;
-Fillers make_fillers(const TransparentValues& transparent, ScalarType type, double low, double high);
-
 /// The slices of a Renderer's frame that are still needed, as planes of 16-bit numbers or floats. Round each
 /// plane lie its linear extrapolations, so that central differences at the border are one-sided. Slices that
 /// GPs gave a plane on a shelf stay for later frames; the others take slots in turn.
@@ -92,12 +87,13 @@ class ScalarPlanes {
   const std::byte* put_block(const Place& place, std::uint32_t block, bool labelled,
                              const std::byte* from) const;
   static void check_kept(const Slot& slot, std::uint32_t block, int plane);
+  void for_rows(std::uint32_t block, auto&& use) const;
   void for_labels(const Place& place, std::uint32_t block, auto&& change) const;
   template <class Number>
   void fill_all(const Place& place, std::uint8_t with);
   template <class Number>
   void fill(const Place& place, std::uint32_t block, std::uint8_t with);
-  void note_change(int column, int row);
+  void note_change(std::uint32_t block);
   template <class Number>
   void extrapolate_border(Number* plane);
   template <class Number>

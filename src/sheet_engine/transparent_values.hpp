@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <utility>
 #include <vector>
 
@@ -37,5 +38,10 @@ class TransparentValues {
 /// Of a picture in its mode: what is clear, too small an extremum, an integral of nothing, or on one side of
 /// the surface.
 TransparentValues transparent_values(const Shown& shown);
+
+/// What stands for the voxels of blocks that were left out: numbers that are as transparent as they are, by
+/// the interval that holds them; the last one is not a number.
+using Fillers = std::array<double, TransparentValues::most + 1>;
+Fillers make_fillers(const TransparentValues& transparent, ScalarType type, double low, double high);
 
 }  // namespace ringsplat
