@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "images/image_io.hpp"
 #include "support/catch.hpp"
 
@@ -60,9 +60,7 @@ struct Files {
     return run_program(more);
   }
   StoredImage picture(const std::string& name, const std::vector<std::string>& more) const {
-    const Ended ended = render(name, more);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    succeeded(render(name, more));
     return read_image(folder / name);
   }
 };
@@ -225,8 +223,7 @@ TEST_CASE("what is measured of a picture is measured without its annotations", "
   const Files files;
   const auto error_of = [&](std::vector<std::string> more) {
     more.insert(more.end(), {"--error", "method", "--stats", "-"});
-    const Ended ended = files.render("x.png", more);
-    REQUIRE(ended.code == 0);
+    const Ended ended = succeeded(files.render("x.png", more));
     json error = json::parse(ended.out).at(0).at("error");
     error.erase("seconds");
     return error;

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -35,9 +35,7 @@ TEST_CASE("chosen roles are said, and give the bits of any others", "[mpi]") {
   const auto check_choice = [&](const std::vector<std::string>& options, int ranks) {
     std::vector<std::string> more = options;
     more.insert(more.end(), {"--stats", folder / "stats.json"});
-    const Ended ended = run_program(render(volume, folder / "auto.exr", more), ranks);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    const Ended ended = succeeded(run_program(render(volume, folder / "auto.exr", more), ranks));
     const bool same_bits = read_text(folder / "auto.exr") == one;
     CHECK(same_bits);
     const json layout = json::parse(read_text(folder / "stats.json")).at(0).at("layout");
@@ -116,10 +114,8 @@ TEST_CASE("roles that cannot be chosen are refused", "[mpi]") {
 TEST_CASE("info predicts every layout for a number of ranks") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
-  const Ended ended = run_program(
-      {"info", volume, "--ranks", "6", "--size", "96", "--quality", "paper", "--json", "--cores", "6"});
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  const Ended ended = succeeded(run_program(
+      {"info", volume, "--ranks", "6", "--size", "96", "--quality", "paper", "--json", "--cores", "6"}));
   const json prediction = json::parse(ended.out).at("prediction");
   CHECK(prediction.at("cores") == 6);
   CHECK(prediction.at("visible_voxels").get<double>() > 0);
@@ -171,10 +167,8 @@ bandwidth = 1e15
 latency = 0
 )");
   const std::string volume = make_volume(folder);
-  const Ended ended = run_program({"info", volume, "--ranks", "2", "--size", "96", "--quality", "paper",
-                                   "--tf", "grey", "--json", "--machine", machine});
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  const Ended ended = succeeded(run_program({"info", volume, "--ranks", "2", "--size", "96", "--quality",
+                                             "paper", "--tf", "grey", "--json", "--machine", machine}));
   const json all = json::parse(ended.out), prediction = all.at("prediction");
   CHECK(prediction.at("machine") == "round numbers");
   CHECK(prediction.at("cores") == 2);
@@ -191,10 +185,8 @@ latency = 0
   CHECK(payloads == Approx(std::round(payloads)));
   CHECK(payloads > slices / 2);
   CHECK(payloads <= slices);
-  const Ended sheets = run_program({"info", volume, "--ranks", "4", "--size", "96", "--quality", "best",
-                                    "--tf", "grey", "--json", "--machine", machine});
-  INFO(sheets.err);
-  REQUIRE(sheets.code == 0);
+  const Ended sheets = succeeded(run_program({"info", volume, "--ranks", "4", "--size", "96", "--quality",
+                                              "best", "--tf", "grey", "--json", "--machine", machine}));
   const json of_sheets = json::parse(sheets.out).at("prediction");
   CHECK(of_sheets.at("layouts").size() ==
         6);  // 3 + 1 … 1 + 3, and four colocated ranks of which four, two or one draw
@@ -214,10 +206,9 @@ TEST_CASE("a forecast knows what a host's link takes to carry") {
                "transparent_voxel = 1e-9\n[renderer]\nsplat = 1e-8\n[platform]\nkind = \"fat_tree\"\n"
                "latency = 1e-6\ncores = 8\nbandwidth = " +
                    bandwidth + "\n");
-    const Ended ended = run_program({"info", volume, "--quality", "paper", "--size", "96x64", "--ranks", "16",
-                                     "--machine", folder / "machine.toml", "--json"});
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    const Ended ended =
+        succeeded(run_program({"info", volume, "--quality", "paper", "--size", "96x64", "--ranks", "16",
+                               "--machine", folder / "machine.toml", "--json"}));
     const json layouts = json::parse(ended.out).at("prediction").at("layouts");
     for (const json& layout : layouts)
       if (layout.at("topology") != "mesh" && layout.at("gps") == gps && layout.at("roles") == roles)

@@ -2,7 +2,7 @@
 #include <array>
 #include <nlohmann/json.hpp>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "formats/files.hpp"
 #include "images/image_io.hpp"
 #include "support/catch.hpp"
@@ -39,9 +39,7 @@ struct Stacks {
   }
   std::string bytes(const std::string& channels, const std::vector<std::string>& more = {},
                     int ranks = 0) const {
-    const Ended ended = run(channels, more, ranks);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    succeeded(run(channels, more, ranks));
     return read_text(folder / "x.exr");
   }
   Image picture(const std::string& channels, const std::vector<std::string>& more = {}) const {
@@ -109,11 +107,8 @@ TEST_CASE("a series of channels has the transfer functions of the first volume")
   const Stacks stacks;
   fs::copy_file(stacks.file(2), stacks.folder / "s_0.nrrd");
   fs::copy_file(stacks.file(2), stacks.folder / "s_1.nrrd");
-  const Ended ended =
-      run_program({"render", stacks.folder / "s_*.nrrd", "--frames", "all", "--channel", "0,1", "-o",
-                   stacks.folder / "s.png", "--size", "48x40", "--stats", stacks.folder / "s.json"});
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  succeeded(run_program({"render", stacks.folder / "s_*.nrrd", "--frames", "all", "--channel", "0,1", "-o",
+                         stacks.folder / "s.png", "--size", "48x40", "--stats", stacks.folder / "s.json"}));
   stacks.bytes("0,1");
   for (const char* name : {"s-0000.png", "s-0001.png"}) CHECK(fs::exists(stacks.folder / name));
   const json stats = json::parse(read_text(stacks.folder / "s.json"));

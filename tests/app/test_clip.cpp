@@ -1,7 +1,7 @@
 // --clip: what people type, and the program itself, in one process and on ranks.
 #include <nlohmann/json.hpp>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "formats/npy.hpp"
 #include "images/image_io.hpp"
 #include "options/option_values.hpp"
@@ -45,9 +45,7 @@ struct Files {
     fs::rename(picture, alone);
     const auto same_on = [&](int ranks, std::vector<std::string> layout) {
       layout.insert(layout.end(), more.begin(), more.end());
-      const Ended ended = run_program(render(layout), ranks);
-      INFO(ended.err);
-      REQUIRE(ended.code == 0);
+      succeeded(run_program(render(layout), ranks));
       CHECK(run_program({"compare", picture, alone, "--fail-above", "0"}).code == 0);
     };
     same_on(5, {"--gps", "3", "--renderers", "2"});
@@ -149,10 +147,8 @@ TEST_CASE("an oblique slice has the interpolated values of its plane") {
         values.append(reinterpret_cast<const char*>(&value), sizeof value);
       }
   write_text(volume, files::npy("<f4", "(24, 24, 24)") + values);
-  const Ended ended =
-      run_program({"render", volume, "-o", picture, "--slice", "plane:1,1,1,4", "--values", "--size", "32"});
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  succeeded(
+      run_program({"render", volume, "-o", picture, "--slice", "plane:1,1,1,4", "--values", "--size", "32"}));
   const auto image = read_image(picture).image;
   // The middle of the picture is 4 / sqrt(3) voxels along each axis from the volume's middle.
   const double there = 11.5 + 4 / std::sqrt(3.0);
@@ -173,8 +169,8 @@ TEST_CASE("an oblique slice has the interpolated values of its plane") {
 
 TEST_CASE("info --clip tells what is in the part") {
   const Files files;
-  const Ended ended = run_program({"info", files.volume, "--clip", "15:25,10:20,0:40mm", "--json"});
-  REQUIRE(ended.code == 0);
+  const Ended ended =
+      succeeded(run_program({"info", files.volume, "--clip", "15:25,10:20,0:40mm", "--json"}));
   const json part = json::parse(ended.out);
   CHECK(part["dims"] == json::array({10, 10, 40}));
   CHECK(part["clip"] == json::array({{15, 25}, {10, 20}, {0, 40}}));
@@ -187,10 +183,8 @@ TEST_CASE("info --clip tells what is in the part") {
   CHECK(counted == 4000);
   CHECK(says(run_program({"info", files.volume, "--clip", ":,10:20,"}).out,
              "clip       0:40,10:20,0:44 of 40 x 36 x 44"));
-  const Ended predicted = run_program(
-      {"info", files.volume, "--clip", "3:37,9:20,11:40", "--ranks", "3", "--size", "64", "--json"});
-  INFO(predicted.err);
-  REQUIRE(predicted.code == 0);
+  const Ended predicted = succeeded(run_program(
+      {"info", files.volume, "--clip", "3:37,9:20,11:40", "--ranks", "3", "--size", "64", "--json"}));
   CHECK(json::parse(predicted.out)["prediction"]["visible_voxels"] < 34 * 11 * 29 + 1);
 }
 

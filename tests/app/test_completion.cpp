@@ -3,7 +3,7 @@
 #include <iostream>
 #include <sstream>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;
@@ -15,8 +15,7 @@ namespace {
 class Completion {
  public:
   explicit Completion(const std::string& shell) : script_(folder_ / "ringsplat." + shell) {
-    const Ended printed = run_program({"--completion", shell});
-    REQUIRE(printed.code == 0);
+    const Ended printed = succeeded(run_program({"--completion", shell}));
     write_text(script_, printed.out);
     fs::create_directory(folder_ / "pictures");
     write_text(folder_ / "head scan.nrrd", "");

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "images/image_io.hpp"
 #include "study/calibration.hpp"
 #include "study/error_budget.hpp"
@@ -260,9 +260,7 @@ TEST_CASE("a budget against the field is another one than against the method", "
   CHECK(w.frame().at("error").at("truth") == "method");
   auto field = splats;
   field.insert(field.end(), {"--error", "field"});
-  const Ended ended = w.render(field);
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  const Ended ended = succeeded(w.render(field));
   CHECK(calibrated(ended));
   CHECK(w.frame().at("error").at("truth") == "field");
   CHECK(w.frame().at("error").at("rmse").get<double>() <= 2);
@@ -290,9 +288,7 @@ TEST_CASE("what only sheets show has a budget among their settings", "[mpi]") {
 
 TEST_CASE("a tight budget leaves the exact setting", "[mpi]") {
   const Workshop w;
-  const Ended ended = w.render({"--max-error", "0.0001"});
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  const Ended ended = succeeded(w.render({"--max-error", "0.0001"}));
   const json settings = w.frame().at("settings");
   CHECK(settings.at("radius") == 1.6);
   CHECK(settings.at("precision") == "float");
@@ -340,9 +336,7 @@ TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi]
     all.insert(all.end(), {"--gps", gps});
     return run_program(all, ranks);
   };
-  const Ended first = run("2", 3);
-  INFO(first.out << first.err);
-  REQUIRE(first.code == 0);
+  const Ended first = succeeded(run("2", 3));
   CHECK(calibrated(first));
   const json frames = json::parse(read_text(w.stats()));
   REQUIRE(frames.size() == 3);
@@ -352,8 +346,7 @@ TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi]
     CHECK(frame.at("error").at("rmse").get<double>() <= 1);
   }
   const std::string picture = read_text(w / "turn-0001.exr");
-  const Ended second = run("2", 3);
-  REQUIRE(second.code == 0);
+  const Ended second = succeeded(run("2", 3));
   CHECK_FALSE(calibrated(second));
   CHECK((read_text(w / "turn-0001.exr") == picture));
   // Other ranks have other costs.
@@ -397,11 +390,8 @@ TEST_CASE("a calibration measures a small volume's views whole, whatever the see
   const Workshop w("shell");
   std::vector<json> measured;
   for (const char* seed : {"1", "2"}) {
-    const Ended ended =
-        w.render({"--max-error", "5", "--zoom", "0.2", "--tf", "mr-surface", "--error-pixels", "400",
-                  "--error-seed", seed, "--image-plane", "screen", "--undersample", "1"});
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    succeeded(w.render({"--max-error", "5", "--zoom", "0.2", "--tf", "mr-surface", "--error-pixels", "400",
+                        "--error-seed", seed, "--image-plane", "screen", "--undersample", "1"}));
     measured.push_back(json::parse(read_text(w.calibration())).at("measured"));
     fs::remove(w.calibration());
   }
@@ -457,11 +447,10 @@ TEST_CASE("a picture that breaks the budget however it is drawn is named, and th
 TEST_CASE("a budget is kept at views between the axes", "[mpi]") {
   const Workshop w("shell");
   for (const char* budget : {"1.2", "2", "4"}) {
-    const Ended ended = w.render({"--max-error", budget, "--error", "field", "--azimuth", "43", "--elevation",
-                                  "35", "--tf", "mr-surface", "--shading", "phong", "--quality", "best"},
-                                 2);
-    INFO(ended.out << ended.err);
-    REQUIRE(ended.code == 0);
+    const Ended ended =
+        succeeded(w.render({"--max-error", budget, "--error", "field", "--azimuth", "43", "--elevation", "35",
+                            "--tf", "mr-surface", "--shading", "phong", "--quality", "best"},
+                           2));
     CHECK(lines_with(ended.out, "drawn again").empty());
     CHECK(w.frame().at("error").at("rmse").get<double>() <= std::stod(budget));
   }

@@ -1,5 +1,5 @@
 // -o FILM.mp4: what the program gives ffmpeg, and what it says where that fails.
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "base/child_program.hpp"
 #include "images/image_io.hpp"
 #include "support/catch.hpp"
@@ -43,9 +43,7 @@ TEST_CASE("a film has all views as opaque pictures, on one process and on ranks"
   studio.ffmpeg("/bin/cp *.png " + studio.folder / "kept" + "; echo made > movie.mp4\n");
   for (const int ranks : {0, 3}) {
     fs::remove(studio.film);
-    const Ended ended = studio.render({"--orbit", "4", "--annotate"}, ranks);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    const Ended ended = succeeded(studio.render({"--orbit", "4", "--annotate"}, ranks));
     CHECK(read_text(studio.film) == "made\n");
     CHECK(lines_with(ended.out, studio.film).size() == 1);
     CHECK(files_in(studio.folder / "kept") == 4);
@@ -90,9 +88,7 @@ TEST_CASE("the ffmpeg that is installed makes a film that it can read", "[mpi]")
     return;
   }
   const Studio studio;
-  const Ended ended = studio.render({"--orbit", "5"}, 0, ffmpeg->parent_path());
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  succeeded(studio.render({"--orbit", "5"}, 0, ffmpeg->parent_path()));
   CHECK(studio.is_clean());
   const Ended read =
       run_command(command_of(*ffmpeg, {"-v", "error", "-i", studio.film, studio.folder / "kept/%d.png"}));

@@ -2,7 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "images/image_io.hpp"
 #include "options/transfer_function_option.hpp"
 #include "ringsplat/base/error.hpp"
@@ -86,8 +86,7 @@ TEST_CASE("an outlier changes neither what is seen nor the histogram, and one li
   const Files files;
   REQUIRE(files.render(files.usual).code == 0);
   const Seen usual = seen_in(files.drawn());
-  const Ended ended = files.render(files.odd);
-  REQUIRE(ended.code == 0);
+  const Ended ended = succeeded(files.render(files.odd));
   CHECK(lines_with(ended.out, "--tf auto: ").size() == 1);
   CHECK_THAT(ended.out, Catch::Matchers::Contains("1 voxel far outside (up to 1e+30)"));
   const Seen odd = seen_in(files.drawn());
@@ -95,8 +94,7 @@ TEST_CASE("an outlier changes neither what is seen nor the histogram, and one li
   CHECK(std::abs(odd.coverage - usual.coverage) < 0.02);
   CHECK(odd.most > 0.5);
 
-  const Ended told = run_program({"info", files.odd, "--json"});
-  REQUIRE(told.code == 0);
+  const Ended told = succeeded(run_program({"info", files.odd, "--json"}));
   const json info = json::parse(told.out);
   CHECK(info.at("histogram").at("above") == 1);
   CHECK(info.at("histogram").at("high").get<double>() < 256);
@@ -125,16 +123,14 @@ TEST_CASE("the chosen transfer function and its picture are the same on 1, 2, 3 
 
 TEST_CASE("what was chosen goes to stderr when a file goes to stdout", "[mpi]") {
   const Files files;
-  const Ended ended = files.render(files.usual, {"--tf-out", "-"});
-  REQUIRE(ended.code == 0);
+  const Ended ended = succeeded(files.render(files.usual, {"--tf-out", "-"}));
   CHECK(json::parse(ended.out).is_array());
   CHECK_THAT(ended.err, Catch::Matchers::Contains("--tf auto: "));
 }
 
 TEST_CASE("labels are found, told, and drawn without values between them", "[mpi]") {
   const Files files;
-  const Ended found = files.render(files.labels);
-  REQUIRE(found.code == 0);
+  const Ended found = succeeded(files.render(files.labels));
   CHECK_THAT(found.out, Catch::Matchers::Contains("8 labels"));
   CHECK(found.err.empty());
   const Image by_itself = files.drawn();
@@ -144,8 +140,7 @@ TEST_CASE("labels are found, told, and drawn without values between them", "[mpi
   CHECK(files.drawn() == by_itself);
   REQUIRE(files.render(files.labels, {"--interpolation", "linear"}).code == 0);
   CHECK_FALSE(files.drawn() == by_itself);
-  const Ended slabs = files.render(files.labels, {"--slabs", "1"});
-  REQUIRE(slabs.code == 0);
+  const Ended slabs = succeeded(files.render(files.labels, {"--slabs", "1"}));
   CHECK(slabs.err.empty());
   CHECK_FALSE(files.drawn() == by_itself);
   CHECK(files.render(files.usual, {"--labels"}).code == 2);
@@ -153,8 +148,7 @@ TEST_CASE("labels are found, told, and drawn without values between them", "[mpi
 
 TEST_CASE("a nearly empty picture is warned of, a useful one is not", "[mpi]") {
   const Files files;
-  const Ended thin = files.render(files.usual, {"--tf", "grey", "--opacity", "1e-5"});
-  REQUIRE(thin.code == 0);
+  const Ended thin = succeeded(files.render(files.usual, {"--tf", "grey", "--opacity", "1e-5"}));
   CHECK_THAT(thin.err, Catch::Matchers::Contains("nearly empty") && Catch::Matchers::Contains("--opacity"));
   const Ended usual = files.render(files.usual, {"--tf", "grey"});
   CHECK_THAT(usual.err, !Catch::Matchers::Contains("nearly empty"));
@@ -165,9 +159,7 @@ TEST_CASE("options of colours change the transfer function as they say", "[mpi]"
   const std::string function = files.folder / "tf.json";
   const auto made = [&](std::vector<std::string> options) {
     options.insert(options.end(), {"--tf-out", function});
-    const Ended ended = files.render(files.usual, options);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    succeeded(files.render(files.usual, options));
     return read_transfer_function(function);
   };
   const TransferFunction stretched = made({"--tf", "grey", "--range", "50:150"});
@@ -215,8 +207,7 @@ TEST_CASE("a map without opacities is shown as a ramp, and told", "[mpi]") {
   const Files files;
   const fs::path map = files.folder / "map.json";
   write_text(map, R"([{"Name":"plain","RGBPoints":[0,0,0,1, 200,1,0,0]}])");
-  const Ended ended = files.render(files.usual, {"--tf", map.string()});
-  REQUIRE(ended.code == 0);
+  const Ended ended = succeeded(files.render(files.usual, {"--tf", map.string()}));
   CHECK_THAT(ended.out,
              Catch::Matchers::Contains("no opacities, so a ramp from clear at 0 to opaque at 200"));
 }

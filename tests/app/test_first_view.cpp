@@ -1,7 +1,7 @@
 // From where a volume is seen, and how large, when options leave it open.
 #include <nlohmann/json.hpp>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "options/option_tables.hpp"
 #include "support/catch.hpp"
 
@@ -47,9 +47,7 @@ struct Files {
   }
   Ended render(const std::string& output, std::vector<std::string> more, int ranks = 0) const {
     more.insert(more.begin(), {"render", flat, "-o", output, "--size", "96x64", "--tf", "grey"});
-    const Ended ended = run_program(more, ranks);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    const Ended ended = succeeded(run_program(more, ranks));
     return ended;
   }
   json camera(std::vector<std::string> more) const {

@@ -2,7 +2,7 @@
 #include <map>
 #include <span>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "ringsplat/volume/reduced.hpp"
 #include "support/catch.hpp"
@@ -27,11 +27,6 @@ std::string voxels_of(VolumeSource& source) {
   return voxels;
 }
 
-void done(const Ended& ended) {
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
-}
-
 bool refused(const Ended& ended, const char* what) {
   INFO(ended.err);
   return ended.code == 2 && ended.err.find(what) != std::string::npos;
@@ -48,8 +43,8 @@ TEST_CASE("a pyramid's levels are the volume and its halves, where they were in 
   const fs::path alone = folder / "alone/head.zarr", together = folder / "together/head.zarr";
   fs::create_directories(alone.parent_path());
   fs::create_directories(together.parent_path());
-  done(run_program({"pyramid", head, alone.string()}));
-  done(run_program({"pyramid", head, together.string()}, 3));
+  succeeded(run_program({"pyramid", head, alone.string()}));
+  succeeded(run_program({"pyramid", head, together.string()}, 3));
   CHECK(content_of(alone) == content_of(together));
 
   const auto file = open_volume(head), finest = open_volume(alone),
@@ -67,14 +62,14 @@ TEST_CASE("a pyramid's picture has the bits of its volume's", "[mpi]") {
   const TemporaryFolder folder;
   const std::string store = folder / "head.zarr", of_file = folder / "file.exr",
                     of_store = folder / "store.exr";
-  done(run_program({"pyramid", head, store}, 2));
+  succeeded(run_program({"pyramid", head, store}, 2));
   for (const std::vector<std::string>& part : {std::vector<std::string>{}, {"--crop", "10:90,:,30:100"}}) {
     std::vector<std::string> first{"render", head, "-o", of_file, "--size", "96"},
         second{"render", store, "-o", of_store, "--size", "96"};
     first.insert(first.end(), part.begin(), part.end());
     second.insert(second.end(), part.begin(), part.end());
-    done(run_program(first));
-    done(run_program(second, 3));
+    succeeded(run_program(first));
+    succeeded(run_program(second, 3));
     CHECK(same_pictures(of_file, of_store));
   }
 }
@@ -84,13 +79,12 @@ TEST_CASE("--error tells what a pyramid's level costs against its finest one") {
   const std::string even = folder / "even_128x120x130_uint8.raw", of_even = folder / "even.zarr",
                     of_head = folder / "head.zarr", picture = folder / "x.png";
   write_text(even, std::string(128 * 120 * 130, 'x'));
-  done(run_program({"pyramid", even, of_even}));
-  done(run_program({"pyramid", head, of_head}));
+  succeeded(run_program({"pyramid", even, of_even}));
+  succeeded(run_program({"pyramid", head, of_head}));
   const auto cost = [&](const std::string& store, const std::string& memory) {
     const Ended ended =
-        run_program({"render", store, "-o", picture, "--size", "64", "--memory", memory, "--error", "field",
-                     "--error-pixels", "300", "--tf", "grey", "--range", "0:255"});
-    done(ended);
+        succeeded(run_program({"render", store, "-o", picture, "--size", "64", "--memory", memory, "--error",
+                               "field", "--error-pixels", "300", "--tf", "grey", "--range", "0:255"}));
     const std::string said = ended.out + ended.err, words = "against the finest: ";
     const auto at = said.find(words);
     return at == std::string::npos ? -1 : std::stod(said.substr(at + words.size()));
@@ -106,7 +100,7 @@ TEST_CASE("--error tells what a pyramid's level costs against its finest one") {
 TEST_CASE("of labels a pyramid takes every second voxel") {
   const TemporaryFolder folder;
   const std::string store = folder / "labels.zarr";
-  done(run_program({"pyramid", head, store, "--labels"}));
+  succeeded(run_program({"pyramid", head, store, "--labels"}));
   const auto file = open_volume(head), half = reduced_source(*file, {2, false});
   CHECK(voxels_of(*open_volume(store + "/1")) == voxels_of(*half));
 }
@@ -116,7 +110,7 @@ TEST_CASE("a pyramid that was interrupted is gone on with, and nothing else is w
   const std::string store = folder / "head.zarr", whole = folder / "whole/head.zarr",
                     other = folder / "other.nrrd";
   fs::create_directories(folder / "whole");
-  done(run_program({"pyramid", head, whole}));
+  succeeded(run_program({"pyramid", head, whole}));
   // A limit on files' sizes that the metadata and the small chunks of the last column keep.
   std::uintmax_t largest = 0;
   for (const auto& [name, text] : content_of(whole)) largest = std::max<std::uintmax_t>(largest, text.size());
@@ -127,10 +121,10 @@ TEST_CASE("a pyramid that was interrupted is gone on with, and nothing else is w
   CHECK(fs::exists(fs::path(store) / ".begun"));
   CHECK_FALSE(fs::exists(fs::path(store) / ".zattrs"));
 
-  done(run_program({"synth", "ball", "-o", other, "--dims", "70"}));
+  succeeded(run_program({"synth", "ball", "-o", other, "--dims", "70"}));
   CHECK(refused(run_program({"pyramid", other, store}), "was begun for another volume"));
   CHECK(refused(run_program({"pyramid", head, store, "--labels"}), "or with other options"));
-  done(run_program({"pyramid", head, store}));
+  succeeded(run_program({"pyramid", head, store}));
   CHECK(content_of(store) == content_of(whole));
   CHECK(refused(run_program({"pyramid", head, store}), "is there already"));
   CHECK(refused(run_program({"pyramid", head, folder / "none/x.zarr"}), "cannot be made"));
@@ -140,8 +134,8 @@ TEST_CASE("a pyramid that was interrupted is gone on with, and nothing else is w
 TEST_CASE("a part of a pyramid is given in voxels of the finest level, and may be finer than the whole") {
   const TemporaryFolder folder;
   const std::string store = folder / "ball.zarr", file = folder / "ball.nrrd";
-  done(run_program({"synth", "ball", "-o", file, "--dims", "150x130x140", "--type", "uint16"}));
-  done(run_program({"pyramid", file, store}));
+  succeeded(run_program({"synth", "ball", "-o", file, "--dims", "150x130x140", "--type", "uint16"}));
+  succeeded(run_program({"pyramid", file, store}));
   const VoxelBox box{{65, 10, 70}, {129, 70, 130}};
   VolumeChoice part{.memory = 1e6, .crop = [&](const Grid&) { return box; }};
   const auto from_file = open_volume(file, {}, part), from_store = open_volume(store, {}, part);

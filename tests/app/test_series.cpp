@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
-#include "app/program_runner.hpp"
 #include "app/render_job.hpp"
+#include "app/succeeded.hpp"
 #include "formats/npy.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
@@ -28,17 +28,14 @@ struct Series {
   Series() {
     for (std::size_t k = 0; k < shapes.size(); ++k) make(file(int(k)), shapes[k], "24x20x22", k % 2 == 0);
     // A preset depends on its volume's histogram.
-    const Ended ended = run_program(
-        {"render", file(2), "-o", folder / "first.png", "--size", "16", "--tf", "mr-soft", "--tf-out", tf()});
-    REQUIRE(ended.code == 0);
+    const Ended ended = succeeded(run_program({"render", file(2), "-o", folder / "first.png", "--size", "16",
+                                               "--tf", "mr-soft", "--tf-out", tf()}));
   }
   static void make(const std::string& name, const std::string& shape, const std::string& dims,
                    bool compressed) {
     std::vector<std::string> words{"synth", shape, "-o", name, "--dims", dims};
     if (!compressed) words.emplace_back("--no-compression");
-    const Ended ended = run_program(words);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    succeeded(run_program(words));
   }
   std::string tf() const { return folder / "tf.json"; }
   std::string file(int number) const { return folder / ("step_" + std::to_string(number + 8) + ".nrrd"); }
@@ -120,9 +117,7 @@ TEST_CASE("the pictures of a series are those of its volumes by themselves, on a
     INFO(ranks << " ranks");
     std::vector<std::string> more{"--stats", series.stats};
     more.insert(more.end(), roles.begin(), roles.end());
-    const Ended ended = run_program(series.render("all", more), ranks);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    const Ended ended = succeeded(run_program(series.render("all", more), ranks));
     for (int k = 0; k < 5; ++k) CHECK(series.same_as_alone("x-000" + std::to_string(k) + ".png", k));
     const json stats = json::parse(read_text(series.stats));
     REQUIRE(stats.size() == 5);
@@ -142,9 +137,7 @@ TEST_CASE("reduced and unshaded volumes of a series are those of the volumes by 
     INFO(more.front());
     std::vector<std::string> on_ranks{"--gps", "2"};
     on_ranks.insert(on_ranks.end(), more.begin(), more.end());
-    const Ended ended = run_program(series.render("1:4", on_ranks), 3);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    succeeded(run_program(series.render("1:4", on_ranks), 3));
     for (int k = 1; k < 4; ++k) CHECK(series.same_as_alone("x-000" + std::to_string(k) + ".png", k, more));
   }
 }
@@ -153,9 +146,7 @@ TEST_CASE("pictures have the numbers that --frames counts by") {
   const Series series;
   auto words = series.render("9:12:2");
   words[1] = series.folder / "step_%d.nrrd";
-  const Ended ended = run_program(words);
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  succeeded(run_program(words));
   CHECK(series.same_as_alone("x-0009.png", 1));
   CHECK(series.same_as_alone("x-0011.png", 3));
   CHECK_FALSE(series.has("x-0010.png"));
@@ -167,9 +158,7 @@ TEST_CASE("the transfer function that is chosen for the first volume is kept for
   const Series series;
   auto words = series.render("0:2", {"--tf-out", series.folder / "auto.json"});
   *(std::find(words.begin(), words.end(), series.tf())) = "auto";
-  const Ended ended = run_program(words, 2);
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  const Ended ended = succeeded(run_program(words, 2));
   CHECK(lines_with(ended.out, "of the first").size() == 1);
   CHECK(run_program({"render", series.file(1), "-o", series.folder / "one.png", "--size", "64x48",
                      "--azimuth", "20", "--tf", series.folder / "auto.json"})
@@ -212,11 +201,9 @@ TEST_CASE("a volume of denormal numbers is the same wherever it comes in a serie
       folder / "tf.json",
       R"([{"ColorSpace":"RGB","Name":"all","RGBPoints":[-1,1,1,1,1,1,1,1],"Points":[-1,0.3,0.5,0,1,0.3,0.5,0]}])");
   const auto render = [&](const std::string& output, const std::string& shading) {
-    const Ended ended = run_program({"render", folder / "d_*.raw", "--frames", "all", "-o", folder / output,
-                                     "--size", "48", "--tf", folder / "tf.json", "--azimuth", "30",
-                                     "--shading", shading, "--quality", "paper"});
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    succeeded(run_program({"render", folder / "d_*.raw", "--frames", "all", "-o", folder / output, "--size",
+                           "48", "--tf", folder / "tf.json", "--azimuth", "30", "--shading", shading,
+                           "--quality", "paper"}));
   };
   const auto same = [&](const std::string& a, const std::string& b) {
     return run_program({"compare", folder / a, folder / b, "--fail-above", "0"}).code == 0;
@@ -238,9 +225,7 @@ TEST_CASE("one file's own frames are a series, as its volumes by themselves", "[
   const auto render = [&](std::vector<std::string> words, int ranks) {
     words.insert(words.begin(), {"render", folder / "film.npy"});
     words.insert(words.end(), look.begin(), look.end());
-    const Ended ended = run_program(words, ranks);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    const Ended ended = succeeded(run_program(words, ranks));
     return lines_with(ended.err, "time point").size();
   };
   CHECK(render({"-o", folder / "x.png", "--frames", "all"}, 3) == 0);
@@ -261,9 +246,7 @@ TEST_CASE("one file's own frames are a series, as its volumes by themselves", "[
 
 TEST_CASE("a camera may move on with each volume of a series", "[mpi]") {
   const Series series;
-  const Ended ended = run_program(series.render("0:3", {"--orbit", "3"}), 2);
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  succeeded(run_program(series.render("0:3", {"--orbit", "3"}), 2));
   CHECK(series.same_as_alone("x-0001.png", 1, {"--fit", "sphere"}, "140"));
   const Ended other = run_program(series.render("0:3", {"--orbit", "4"}), 2);
   CHECK(other.code == 2);

@@ -1,7 +1,7 @@
 // What may and may not go to standard output, and that nothing written there is lost.
 #include <nlohmann/json.hpp>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;
@@ -47,9 +47,7 @@ TEST_CASE("--stats - writes to stdout what it would write into a file, and nothi
   const Files files;
   const WorkingFolder inside(files.folder.path());
   for (const int ranks : {0, 2}) {
-    const Ended ended = files.render({"--orbit", "2", "--stats", "-"}, ranks);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+    const Ended ended = succeeded(files.render({"--orbit", "2", "--stats", "-"}, ranks));
     CHECK(json::parse(ended.out).size() == 2);
     CHECK(lines_with(ended.err, "visible voxels").size() == 2);
     CHECK(lines_with(ended.err, "2 frames, median").size() == 1);
@@ -62,9 +60,8 @@ TEST_CASE("--stats - writes to stdout what it would write into a file, and nothi
 
 TEST_CASE("--stats table, or a .txt, says by rank who worked and who waited", "[mpi]") {
   const Files files;
-  const Ended two = files.render({"--gps", "2", "--renderers", "1", "--orbit", "2", "--stats", "table"}, 3);
-  INFO(two.err << two.out);
-  REQUIRE(two.code == 0);
+  const Ended two =
+      succeeded(files.render({"--gps", "2", "--renderers", "1", "--orbit", "2", "--stats", "table"}, 3));
   CHECK_THAT(two.out, Contains("2 frames, sums") && Contains("busy") && Contains("waiting") &&
                           Contains("received MB") && Contains("blocks sent"));
   CHECK(lines_with(two.out, "GP ").size() == 2);
@@ -77,15 +74,12 @@ TEST_CASE("--stats table, or a .txt, says by rank who worked and who waited", "[
 
 TEST_CASE("a timeline and a transfer function can go to stdout, but one text only", "[mpi]") {
   const Files files;
-  const Ended trace = files.render({"--trace", "-"});
-  REQUIRE(trace.code == 0);
+  const Ended trace = succeeded(files.render({"--trace", "-"}));
   CHECK(json::parse(trace.out).contains("traceEvents"));
-  const Ended function = files.render({"--tf-out", "-"});
-  REQUIRE(function.code == 0);
+  const Ended function = succeeded(files.render({"--tf-out", "-"}));
   CHECK(json::parse(function.out).at(0).contains("RGBPoints"));
-  const Ended truth =
-      run_program({"reference", files.volume, "-o", files.folder / "t.exr", "--size", "8", "--tf-out", "-"});
-  REQUIRE(truth.code == 0);
+  const Ended truth = succeeded(
+      run_program({"reference", files.volume, "-o", files.folder / "t.exr", "--size", "8", "--tf-out", "-"}));
   CHECK(json::parse(truth.out).at(0).contains("RGBPoints"));
   const Ended both = files.render({"--stats", "-", "--trace", "-"});
   CHECK(both.code == 2);

@@ -1,7 +1,7 @@
 // --trace through the program, on one process and on ranks.
 #include <nlohmann/json.hpp>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "support/catch.hpp"
 #include "support/trace_checks.hpp"
 
@@ -29,11 +29,9 @@ TEST_CASE("--trace writes a whole timeline, in one process and on five ranks", "
     INFO(ranks << " ranks");
     const Files files;
     const Ended ended =
-        run_program(files.render({"--gps", "3", "--renderers", "2", "--orbit", "3", "--quality", "paper",
-                                  "--trace", files.trace, "--stats", files.stats}),
-                    ranks);
-    INFO(ended.err);
-    REQUIRE(ended.code == 0);
+        succeeded(run_program(files.render({"--gps", "3", "--renderers", "2", "--orbit", "3", "--quality",
+                                            "paper", "--trace", files.trace, "--stats", files.stats}),
+                              ranks));
     CHECK(ended.err.empty());
     const json trace = json::parse(read_text(files.trace));
     check_trace(trace, 3, 2, 5);

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/program_runner.hpp"
+#include "app/succeeded.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;
@@ -85,9 +85,7 @@ TEST_CASE("a run that only waits for views says so, and not that it renders") {
 
 TEST_CASE("views on stdin are each rendered, but not by every subcommand", "[mpi]") {
   const Files files;
-  const Ended ended = run_program(files.render({"--path", "-"}), 2, "10 5\n100 5\n");
-  INFO(ended.err);
-  REQUIRE(ended.code == 0);
+  succeeded(run_program(files.render({"--path", "-"}), 2, "10 5\n100 5\n"));
   CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5", "--fit", "sphere"}));
   const Ended none = run_program({"reference", files.volume, "-o", files.picture, "--path", "-"});
   CHECK(none.code == 2);
