@@ -236,17 +236,11 @@ TEST_CASE("a clipped picture has the same bits for any ranks, regions, meshes an
       const auto source = whole.source();
       const Image alone = render_loopback(*source, spec, 1, 1).image;
       REQUIRE(brightest(alone) > 0.05F);
-      LoopbackOptions shuffled;
-      shuffled.reorder = true;
-      shuffled.seed = 7;
+      const LoopbackOptions shuffled{.seed = 7, .reorder = true};
       INFO(fmt::format("{}, factor {}", name, factor));
       CHECK(render_loopback(*source, spec, 3, 2, shuffled).image == alone);
       CHECK(render_loopback(*source, spec, 7, 4, shuffled, Placement::colocated).image == alone);
-      Layout mesh{.gps = 6, .renderers = 3};
-      mesh.topology = Topology::mesh;
-      mesh.mesh_columns = 3;
-      mesh.mesh_rows = 2;
-      CHECK(render_loopback(*source, spec, mesh, shuffled).image == alone);
+      CHECK(render_loopback(*source, spec, mesh_layout(3, 2, 3), shuffled).image == alone);
       if (spec.division.region_size = 20; !std::holds_alternative<Splats>(how) || factor == 1)
         CHECK(render_loopback(*source, spec, 5, 3, shuffled).image == alone);
     }
@@ -281,24 +275,21 @@ TEST_CASE("the clip box may change from frame to frame, also while others are in
       if (at == 2) spec.shown.transfer_function = ramp(90, 200, 0.3);
       return spec;
     };
+    std::vector<FrameSpec> specs;
     std::vector<Image> alone;
+    for (std::size_t k = 0; k < 15; ++k) specs.push_back(spec_of(k));
     for (std::size_t k = 0; k < 5; ++k)
-      alone.push_back(render_loopback(*whole.source(), spec_of(k), 1, 1).image);
+      alone.push_back(render_loopback(*whole.source(), specs[k], 1, 1).image);
     REQUIRE(alone[0] != alone[1]);
     OpenedVolume opened{whole.grid, true, whole.source()};
     const Layout layout{.gps = 3, .renderers = 2};
     SoloCollectives solo;
     const Wiring wiring{solo};
-    Scene scene = load_scene(opened, needed_to_render(spec_of(0), whole.grid), layout, wiring);
-    ProtocolOptions protocol;
-    protocol.frames_in_flight = 4;
-    protocol.look_ahead = 3;
-    std::size_t announced = 0, seen = 0;
-    const Director director{[&]() -> std::optional<FrameSpec> {
-                              return announced == 15 ? std::nullopt : std::optional(spec_of(announced++));
-                            },
-                            [&](FrameResult&& result) { CHECK(result.image == alone[seen++ % 5]); }};
-    render_frames(std::move(scene), layout, protocol, director, wiring);
+    Scene scene = load_scene(opened, needed_to_render(specs[0], whole.grid), layout, wiring);
+    std::size_t seen = 0;
+    const auto compare = [&](FrameResult&& result) { CHECK(result.image == alone[seen++ % 5]); };
+    render_frames(std::move(scene), layout, {.frames_in_flight = 4, .look_ahead = 3},
+                  director_of(specs, compare), wiring);
     CHECK(seen == 15);
   }
 }

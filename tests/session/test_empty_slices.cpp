@@ -109,23 +109,20 @@ TEST_CASE("frames with other transfer functions may be in flight together") {
     spec.shown.transfer_function.opacities.push_back({low + 25, 0.0});
     return spec;
   };
+  std::vector<FrameSpec> specs;
   std::vector<Image> alone;
+  for (std::size_t k = 0; k < 20; ++k) specs.push_back(spec_of(k));
   for (std::size_t k = 0; k < 5; ++k)
-    alone.push_back(render_loopback(*volume.source(), spec_of(k), 1, 1).image);
+    alone.push_back(render_loopback(*volume.source(), specs[k], 1, 1).image);
   OpenedVolume opened{volume.grid, true, volume.source()};
   const Layout layout{.gps = 3, .renderers = 2};
   SoloCollectives solo;
   const Wiring wiring{solo};
   Scene scene = load_scene(opened, needed_to_render(from_above(), volume.grid), layout, wiring);
-  ProtocolOptions protocol;
-  protocol.frames_in_flight = 4;
-  protocol.look_ahead = 3;
-  std::size_t announced = 0, seen = 0;
-  const Director director{[&]() -> std::optional<FrameSpec> {
-                            return announced == 20 ? std::nullopt : std::optional(spec_of(announced++));
-                          },
-                          [&](FrameResult&& result) { CHECK(result.image == alone[seen++ % 5]); }};
-  render_frames(std::move(scene), layout, protocol, director, wiring);
+  std::size_t seen = 0;
+  const auto compare = [&](FrameResult&& result) { CHECK(result.image == alone[seen++ % 5]); };
+  render_frames(std::move(scene), layout, {.frames_in_flight = 4, .look_ahead = 3},
+                director_of(specs, compare), wiring);
   CHECK(seen == 20);
 }
 
