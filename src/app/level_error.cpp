@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "app/frame_output.hpp"
+#include "app/volume_part.hpp"
 #include "classify/adjust.hpp"
 #include "classify/piecewise.hpp"
 #include "truth/field.hpp"
@@ -47,11 +48,7 @@ std::string level_error(const Image& picture, const truth::Scene& shown, const R
   part.end = part.first + glm::max(glm::ivec3(kept * dims), 1);
   level.frame.shown.clip = part;
   const VoxelBox of_finest{part.first * coarser, glm::min(part.end * coarser, finest.dims)};
-  volume.choice.crop = [before = options.volume.choice.crop, of_finest](const Grid& whole) {
-    const glm::ivec3 first = before ? before(whole).first : glm::ivec3(0);
-    return VoxelBox{of_finest.first + first, of_finest.end + first};
-  };
-  const auto source = open_volume(volume);
+  const auto source = open_volume(part_of(volume, of_finest));
   truth::Scene fine{source->grid(), truth::read_values(*source), shown.frame};
   if (VolumeSource* const labels = source->labels()) fine.labels = truth::read_labels(*labels);
   // The camera fits the level, whose last voxels may reach beyond the finest's.

@@ -1,21 +1,28 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "app/commands.hpp"
 #include "app/render_job.hpp"
+#include "app/volume_part.hpp"
 #include "base/output_file.hpp"
+#include "formats/zarr/metadata.hpp"
 #include "formats/zarr/write.hpp"
 #include "net/agree.hpp"
 #include "program/progress.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "ringsplat/volume/reduced.hpp"
+#include "volume/clipped.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -61,13 +68,63 @@ void begin_store(const fs::path& store, const std::string& text) {
   write_text(begun, text);
 }
 
-/// This rank's part of a level: consecutive layers, each of which is left out if it is there. Without a
-/// source nothing.
-void write_part(const ZarrLevel& level, VolumeSource* source, int part, int parts, Progress& progress) {
-  const auto begin_of = [&](int k) { return int(std::int64_t(level.layers()) * k / parts); };
-  for (int layer = begin_of(part); source != nullptr && layer < begin_of(part + 1); ++layer) {
-    if (!level.has_layer(layer)) level.write_layer(layer, *source);
-    progress.at(layer + 1 - begin_of(part));
+/// A rank's buffers for voxels; with the program itself, its libraries and a chunk's it stays below 256 MiB.
+constexpr double room = 96 << 20;
+
+/// Voxels of a block of a level, and what they are made of.
+struct Block {
+  std::unique_ptr<VolumeSource> finer, voxels;
+};
+
+/// Of the level before this one it reads what the filter reaches.
+Block half_of(const fs::path& finer, const VoxelBox& block, const Reduction& halving) {
+  VolumeChoice part{.memory = std::numeric_limits<double>::infinity()};
+  part.crop = [&](const Grid& grid) {
+    return VoxelBox{glm::max(2 * block.first - 2, 0), glm::min(2 * block.end + 2, grid.dims)};
+  };
+  Block half{ringsplat::open_volume(finer, {}, part), nullptr};
+  const glm::ivec3 first = glm::min(block.first, 1);
+  half.voxels = clipped_source(reduced_source(*half.finer, halving), VoxelBox{first, first + block.dims()});
+  return half;
+}
+
+/// The blocks in which a level is written, and what reads one.
+struct Plan {
+  std::vector<VoxelBox> blocks;
+  std::function<Block(const VoxelBox&)> open;
+};
+
+/// Of Zarr, of which a part can be read by itself, else of the source as a whole. A part of a pyramid could
+/// be of another level than --memory chooses.
+Plan plan_of_finest(const ZarrLevel& level, const VolumeOptions& o, OpenedVolume& volume) {
+  if (std::isfinite(*o.choice.memory) || !o.mask.path.empty() || !detail::zarr::node_at(o.path))
+    return {level.blocks(std::numeric_limits<double>::infinity()), [&](const VoxelBox&) {
+              return Block{nullptr, std::move(volume.source)};
+            }};
+  const auto open = [&o](const VoxelBox& block) { return Block{nullptr, open_volume(part_of(o, block))}; };
+  const auto thin = open({{0, 0, 0}, {1, 1, volume.grid.dims.z}}).voxels;
+  const int interleaved = std::min(thin->notes().channels, 4);
+  return {level.blocks(room / (interleaved * (level.layer_depth() + thin->layer_depth()))), open};
+}
+
+/// The source keeps a layer of the finer level and four of its slices.
+Plan plan_of_half(const ZarrLevel& level, const ZarrLevel& finer, const Reduction& halving) {
+  return {level.blocks(room / (level.layer_depth() + 4.0 * (finer.layer_depth() + 4))),
+          [&](const VoxelBox& block) { return half_of(finer.folder(), block, halving); }};
+}
+
+/// This rank's part of a level: consecutive layers, block by block, each of which is left out if it is there.
+void write_part(const ZarrLevel& level, const Plan& plan, int part, int parts, Progress& progress) {
+  const auto count = std::int64_t(plan.blocks.size()) * level.layers(), begin = count * part / parts,
+             end = count * (part + 1) / parts;
+  progress.begin("writing " + level.folder().string(), double(end - begin));
+  Block opened;
+  for (auto k = begin; k < end; ++k) {
+    const auto layer = int(k % level.layers());
+    const VoxelBox& block = plan.blocks[std::size_t(k / level.layers())];
+    if (k == begin || layer == 0) opened = plan.open(block);
+    if (!level.has_layer(layer, block)) level.write_layer(layer, block, *opened.voxels);
+    progress.at(double(k + 1 - begin));
   }
 }
 
@@ -82,20 +139,18 @@ ExitCode run(const PyramidOptions& o, Launch& launch) {
   launch.check_on_rank_0([&] { begin_store(store, text_of(volume.facts, o.volume, halving)); });
   const auto levels = levels_of(volume.grid, halving);
   Progress progress(launch.rank() != 0);
+  std::optional<ZarrLevel> finer;
   for (std::size_t k = 0; k < levels.size(); ++k) {
     const ZarrLevel level(store / std::to_string(k), levels[k]);
     // What only one process can decode in order is decoded by rank 0.
-    const int parts = k > 0 || volume.concurrent ? launch.ranks() : 1;
-    progress.begin(fmt::format("level {} of {}", k + 1, levels.size()), double(level.layers()) / parts);
+    const int parts = finer || volume.concurrent ? launch.ranks() : 1;
     launch.check_on_rank_0([&] { level.begin(); });
     agree_after(launch.collectives(), [&] {
-      std::unique_ptr<VolumeSource> source = std::move(volume.source), finer;
-      if (k > 0) {
-        finer = ringsplat::open_volume(store / std::to_string(k - 1));
-        source = reduced_source(*finer, halving);
-      }
-      if (launch.rank() < parts) write_part(level, source.get(), launch.rank(), parts, progress);
+      if (launch.rank() >= parts) return;
+      write_part(level, finer ? plan_of_half(level, *finer, halving) : plan_of_finest(level, finest, volume),
+                 launch.rank(), parts, progress);
     });
+    finer = level;
   }
   progress.end();
   launch.check_on_rank_0([&] {

@@ -1,5 +1,7 @@
 // ringsplat pyramid: what it writes opens as what it was made of, on any ranks and after an interruption.
+#include <algorithm>
 #include <map>
+#include <random>
 #include <span>
 
 #include "app/succeeded.hpp"
@@ -25,6 +27,55 @@ std::string voxels_of(VolumeSource& source) {
   std::string voxels(source.grid().bytes(), '\0');
   source.read_slices(0, source.grid().dims.z, std::as_writable_bytes(std::span(voxels)));
   return voxels;
+}
+
+/// Slice by slice.
+bool same_voxels(VolumeSource& a, VolumeSource& b) {
+  if (a.grid().dims != b.grid().dims) return false;
+  std::vector<std::byte> of_a(a.grid().slice_bytes(Axis::z)), of_b(of_a.size());
+  for (int z = 0; z < a.grid().dims.z; ++z) {
+    a.read_slices(z, 1, of_a);
+    b.read_slices(z, 1, of_b);
+    if (of_a != of_b) return false;
+  }
+  return true;
+}
+
+/// A Zarr array of 16 bits in which only some chunks have values, others than their neighbours'.
+void write_sparse(const fs::path& folder, const glm::ivec3& dims, const glm::ivec3& chunk,
+                  const std::vector<glm::ivec3>& filled) {
+  const auto list = [](const glm::ivec3& v) {
+    return "[" + std::to_string(v.z) + "," + std::to_string(v.y) + "," + std::to_string(v.x) + "]";
+  };
+  fs::create_directories(folder);
+  write_text(folder / ".zarray",
+             R"({"zarr_format":2,"dtype":"<u2","compressor":null,"fill_value":7,"order":"C",)"
+             R"("filters":null,"shape":)" +
+                 list(dims) + R"(,"chunks":)" + list(chunk) + "}");
+  std::mt19937 random(5);
+  for (const auto& at : filled) {
+    std::string values(2 * std::size_t(chunk.x) * std::size_t(chunk.y) * std::size_t(chunk.z), '\0');
+    for (std::size_t k = 0; k < values.size(); k += 2) values[k] = char(random());
+    write_text(folder / (std::to_string(at.z) + "." + std::to_string(at.y) + "." + std::to_string(at.x)),
+               values);
+  }
+}
+
+/// Makes a pyramid by two ranks. Returns the peak resident memory of the one that had more, in MiB.
+int peak_memory(const std::string& volume, const std::string& store) {
+  const TemporaryFolder peaks;
+  const std::string watching = R"("$@" & p=$!; while h=$(grep VmHWM /proc/$p/status); do echo "$h" > )" +
+                               quoted(peaks / "of_") + R"($p; sleep 0.02; done; wait $p)";
+  const Ended ended = run_command(quoted(RINGSPLAT_MPIEXEC) + " -n 2 sh -c " + quoted(watching) + " sh " +
+                                  command_of(RINGSPLAT_PROGRAM, {"pyramid", volume, store}));
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  const auto files = content_of(fs::path(peaks / "."));
+  CHECK(files.size() == 2);
+  int most = 0;
+  for (const auto& [name, line] : files)
+    most = std::max(most, std::stoi(line.substr(line.find(':') + 1)) >> 10);
+  return most;
 }
 
 bool refused(const Ended& ended, const char* what) {
@@ -149,4 +200,22 @@ TEST_CASE("a part of a pyramid is given in voxels of the finest level, and may b
   CHECK(glm::distance(coarse->grid().origin, glm::dvec3(64.5, 10.5, 70.5)) < 1e-12);
   CHECK(refused(run_program({"info", store, "--crop", ":,:,100:141"}),
                 "--crop: the z part, '100:141', does not lie"));
+}
+
+TEST_CASE("a rank that makes a pyramid takes at most 256 MiB, of thick layers and wide slices", "[mpi]") {
+  const TemporaryFolder folder;
+  const std::string volume = folder / "volume.zarr", store = folder / "store.zarr";
+  SECTION("layers of 256 MiB") {
+    write_sparse(volume, {2048, 2048, 32}, glm::ivec3(64), {{3, 4, 0}, {15, 15, 0}, {16, 16, 0}, {8, 8, 0}});
+  }
+  SECTION("slices of 98 MiB") {
+    write_sparse(volume, {7168, 7167, 2}, {1024, 1024, 1}, {{3, 1, 0}, {4, 2, 0}, {3, 3, 1}, {6, 6, 0}});
+  }
+  const int peak = peak_memory(volume, store);
+  CHECK(peak > 64);
+  CHECK(peak < 256);
+  const auto file = open_volume(volume), finest = open_volume(store + "/0"),
+             half = reduced_source(*file, {2, true});
+  CHECK(same_voxels(*finest, *file));
+  CHECK(same_voxels(*open_volume(store + "/1"), *half));
 }

@@ -76,33 +76,54 @@ void ZarrLevel::begin() const {
   write_text(folder_ / ".zarray", array.dump(2));
 }
 
-bool ZarrLevel::has_layer(int layer) const {
+std::vector<VoxelBox> ZarrLevel::blocks(double slice_bytes) const {
+  glm::ivec3 step = (grid_.dims + chunk_ - 1) / chunk_;
+  const auto bytes = [&] {
+    const glm::dvec3 size = step * chunk_;
+    return double(size_of(grid_.type)) * size.x * size.y;
+  };
+  while (bytes() > slice_bytes && step.x * step.y > 1) {
+    int& larger = step.x > step.y ? step.x : step.y;
+    larger = (larger + 1) / 2;
+  }
+  step *= chunk_;
+  std::vector<VoxelBox> blocks;
+  for (int y = 0; y < grid_.dims.y; y += step.y)
+    for (int x = 0; x < grid_.dims.x; x += step.x)
+      blocks.push_back({{x, y, 0}, glm::min(glm::ivec3(x, y, 0) + step, grid_.dims)});
+  return blocks;
+}
+
+bool ZarrLevel::has_layer(int layer, const VoxelBox& block) const {
   // Chunks are written in order.
-  const glm::ivec3 last = (grid_.dims - 1) / chunk_;
+  const glm::ivec3 last = (block.end - 1) / chunk_;
   return fs::exists(chunk_file(layer, last.y, last.x));
 }
 
-std::vector<std::byte> ZarrLevel::chunk_of(std::span<const std::byte> slices, int y, int x) const {
-  const auto scalar = std::int64_t(size_of(grid_.type)), pitch = scalar * grid_.dims.x,
-             slice = pitch * grid_.dims.y, count = std::int64_t(slices.size()) / slice;
+std::vector<std::byte> ZarrLevel::chunk_of(std::span<const std::byte> slices, const Grid& block, int y,
+                                           int x) const {
+  const auto scalar = std::int64_t(size_of(grid_.type)), pitch = scalar * block.dims.x,
+             slice = pitch * block.dims.y, count = std::int64_t(slices.size()) / slice;
   std::vector<std::byte> chunk(std::size_t(scalar * chunk_.x * chunk_.y * chunk_.z));
-  const auto row = std::size_t(scalar * std::min(chunk_.x, grid_.dims.x - x));
+  const auto row = std::size_t(scalar * std::min(chunk_.x, block.dims.x - x));
   for (std::int64_t z = 0; z < count; ++z)
-    for (int j = 0; j < std::min(chunk_.y, grid_.dims.y - y); ++j)
+    for (int j = 0; j < std::min(chunk_.y, block.dims.y - y); ++j)
       std::memcpy(chunk.data() + (z * chunk_.y + j) * chunk_.x * scalar,
                   slices.data() + z * slice + (y + j) * pitch + x * scalar, row);
   return chunk;
 }
 
-void ZarrLevel::write_layer(int layer, VolumeSource& source) const {
+void ZarrLevel::write_layer(int layer, const VoxelBox& block, VolumeSource& source) const {
   const int first = layer * chunk_.z, count = std::min(chunk_.z, grid_.dims.z - first);
-  std::vector<std::byte> slices(std::size_t(count) * grid_.slice_bytes(Axis::z)), packed;
+  const Grid& grid = source.grid();
+  std::vector<std::byte> slices(std::size_t(count) * grid.slice_bytes(Axis::z)), packed;
   source.read_slices(first, count, slices);
-  for (int y = 0; y < grid_.dims.y; y += chunk_.y) {
-    make_folder(chunk_file(layer, y / chunk_.y, 0).parent_path());
-    for (int x = 0; x < grid_.dims.x; x += chunk_.x) {
-      pack(chunk_of(slices, y, x), size_of(grid_.type), packed);
-      OutputFile file(chunk_file(layer, y / chunk_.y, x / chunk_.x));
+  for (int y = 0; y < grid.dims.y; y += chunk_.y) {
+    const int row = (block.first.y + y) / chunk_.y;
+    make_folder(chunk_file(layer, row, 0).parent_path());
+    for (int x = 0; x < grid.dims.x; x += chunk_.x) {
+      pack(chunk_of(slices, grid, y, x), size_of(grid_.type), packed);
+      OutputFile file(chunk_file(layer, row, (block.first.x + x) / chunk_.x));
       file.write(packed);
       file.commit();
     }
