@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "app/channels.hpp"
 #include "app/commands.hpp"
 #include "app/views.hpp"
 #include "base/log.hpp"
@@ -144,19 +145,55 @@ std::vector<std::pair<const char*, std::string>> rows_of(const ValueStatistics& 
   return rows;
 }
 
+/// The volume's channels as --channel all draws them; what it leaves out is hidden, and as the file says.
+std::vector<ChannelNotes> channels_of(const VolumeOptions& volume, const VolumeNotes& notes) {
+  std::vector<ChannelNotes> channels = notes.of_channels;
+  if (notes.channels == 1) return {};
+  channels.resize(std::size_t(notes.channels));
+  for (std::size_t k = 0; k < channels.size(); ++k) {
+    channels[k].hidden = true;
+    if (channels[k].name.empty()) channels[k].name = fmt::format("channel {}", k);
+  }
+  try {
+    for (const DrawnChannel& drawn : find_channels(volume, "all"))
+      channels[std::stoul(drawn.choice)] = {drawn.name, drawn.colour, drawn.window};
+  } catch (const InputError&) {  // more than one picture can have
+  }
+  return channels;
+}
+
+nlohmann::json to_json(const ChannelNotes& channel) {
+  nlohmann::json j{{"name", channel.name}, {"colour", {}}, {"window", {}}, {"drawn", !channel.hidden}};
+  if (const auto& colour = channel.colour) j["colour"] = {colour->x, colour->y, colour->z};
+  if (channel.window) j["window"] = {channel.window->x, channel.window->y};
+  return j;
+}
+
+std::string to_text(const ChannelNotes& channel) {
+  std::string text = excerpt(channel.name);
+  if (channel.colour) {
+    const glm::ivec3 rgb(255.0 * *channel.colour + 0.5);
+    text += fmt::format(", #{:02x}{:02x}{:02x}", rgb.x, rgb.y, rgb.z);
+  }
+  if (const auto& window = channel.window)
+    text += fmt::format(", values from {:g} to {:g}", window->x, window->y);
+  return text + (channel.hidden ? "; not in --channel all" : "");
+}
+
 /// What info has found in the part of the volume that is shown.
 struct Found {
   Grid whole, part;
   ValueStatistics values;
   bool concurrent;
+  std::vector<ChannelNotes> channels;
 };
 
 /// GPs hold whole slices, whatever part is shown.
 std::string to_text(const InfoOptions& o, const Found& found) {
-  const auto& [whole, grid, values, concurrent] = found;
+  const auto& [whole, grid, values, concurrent, channels] = found;
   const glm::dvec3 extent = glm::dvec3(grid.dims) * grid.spacing;
   std::string text;
-  const auto row = [&](const char* name, const std::string& value) {
+  const auto row = [&](const std::string& name, const std::string& value) {
     text += fmt::format("{:<11}{}\n", name, value);
   };
   row("volume", o.picture.volume.path);
@@ -173,6 +210,7 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   row("reading", concurrent ? "by all ranks at once" : "decoded by rank 0");
   for (const auto& [what, value] : rows_of(values, o.picture.volume.choice.frame.value_or(0)))
     row(what, value);
+  for (std::size_t k = 0; k < channels.size(); ++k) row(fmt::format("channel {} ", k), to_text(channels[k]));
   row("range", values.range.empty()
                    ? "no finite value"
                    : fmt::format("{:g} to {:g}", plain(values.range.low), plain(values.range.high)));
@@ -204,7 +242,7 @@ nlohmann::json to_json(const ValueStatistics& values) {
 }
 
 nlohmann::json to_json(const InfoOptions& o, const Found& found) {
-  const auto& [whole, grid, values, concurrent] = found;
+  const auto& [whole, grid, values, concurrent, channels] = found;
   nlohmann::json j;
   const auto triple = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
   j["volume"] = o.picture.volume.path;
@@ -233,6 +271,7 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
                     {"below", histogram.below},
                     {"above", histogram.above}};
   j["notes"] = to_json(values);
+  for (const ChannelNotes& channel : channels) j["channels"].push_back(to_json(channel));
   for (const int gps : counts_of_gps(o)) {
     nlohmann::json& row = j["slice_memory_of_a_gp"].emplace_back();
     row = {{"gps", gps}, {"bundle", o.bundle}};
@@ -341,7 +380,7 @@ ExitCode run(const InfoOptions& o) {
   const auto clip = clip_box(o.picture.clip, source.grid());
   const auto part = clipped_source(source, clip.value_or(whole_box(source.grid())));
   const Found found{source.grid(), part->grid(), read_values(clip ? *part : source, progress),
-                    source.concurrent()};
+                    source.concurrent(), channels_of(o.picture.volume, source.notes())};
   std::optional<Foreseen> predicted;
   if (o.ranks > 0) predicted = foresee(o, source, progress);
   const auto series = source.notes().series;
