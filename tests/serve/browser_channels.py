@@ -1,6 +1,7 @@
 """The page with several channels: their list, and what it makes of the picture."""
 
 import json
+import time
 import types
 
 from selenium.webdriver.common.by import By
@@ -33,6 +34,24 @@ class Channels(WithPage):
 
     def look(self, k):
         return self.page.facts(f"state.channels[{k}]")
+
+    def test_a_legend_of_what_is_seen_lies_over_the_picture(self):
+        def cyan():
+            self.page.settle()
+            time.sleep(0.1)
+            return self.page.js(
+                "const c = document.getElementById('overlay'), q = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+                "let n = 0; for (let i = 0; i < q.length; i += 4) n += q[i] === 0 && q[i + 1] === 255 && q[i + 2] === 255 && q[i + 3] === 255;"
+                "return n")
+
+        self.assertGreater(cyan(), 100)
+        self.page.press("g")
+        self.assertEqual(cyan(), 0)
+        self.page.press("g")
+        self.tick(0)
+        self.assertEqual(cyan(), 0)
+        self.tick(0)
+        self.assertGreater(cyan(), 100)
 
     def test_a_channel_is_hidden_coloured_windowed_and_put_back(self):
         words = [row.text for row in self.page.driver.find_elements(By.CSS_SELECTOR, "#channel-list li")]

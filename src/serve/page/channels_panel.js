@@ -36,6 +36,10 @@ export class ChannelsPanel {
   change(k, part) {
     this.app.scene.change({ channels: this.channels.with(k, { ...this.channels[k], ...part }) });
   }
+  /** The names and colours of those that are seen. */
+  legend() {
+    return this.channels.map((channel, k) => ({ ...channel, ...this.all[k] })).filter(({ visible }) => visible);
+  }
   /** Puts an end of a window elsewhere, but not past the other; a surface has one value. */
   put(k, end, value) {
     const ofSurface = this.app.scene.state.mode === 'surface';

@@ -47,7 +47,7 @@ function actions(app) {
     ['c', 'clip box on or off', () => app.toggleClip()],
     ['o', 'orientation cube on or off', toggle('cube')],
     ['b', 'scale bar on or off', toggle('scale')],
-    ['g', 'colour bar on or off', toggle('colours')],
+    ['g', 'colour bar or legend on or off', toggle('colours')],
     ['x', 'handles of the clip box on or off', toggle('box')],
     ['q', 'slices beside the volume on or off', toggle('slices')],
     ['[', 'the frame before, of a series', () => app.series.step(-1)],

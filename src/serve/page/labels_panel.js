@@ -38,13 +38,18 @@ export class LabelsPanel {
     const colour = element('input', { type: 'color', 'aria-label': `Colour of ${name}`,
                                       onchange: ({ target }) => change({ colour: fromHex(target.value) }) });
     const number = name === `label ${value}` ? [] : [element('small', {}, String(value))];
-    return { value, seen, colour, row: element('li', {}, element('label', { class: 'tick' }, seen, name), ...number, colour) };
+    return { value, name, seen, colour, row: element('li', {}, element('label', { class: 'tick' }, seen, name), ...number, colour) };
   }
 
   labels() {
     const { transfer_function: tf, tints } = this.app.scene.state;
     if (this.tinted) return tints.map(([value, ...colour]) => ({ value, opacity: colour.pop(), colour }));
     return this.rows.map(({ value }) => ({ value, colour: colourAt(tf, value), opacity: opacityAt(tf, value) }));
+  }
+
+  /** The names and colours of those that are seen. */
+  legend() {
+    return this.labels().map((label, k) => ({ ...label, name: this.rows[k].name })).filter(({ opacity }) => opacity > 0);
   }
 
   /** `change(label)` gives the members of a label that become others. */

@@ -1,6 +1,6 @@
-// What is drawn over the picture: the clip box's edges, scale bar, colour bar and the probe's cross.
+// What is drawn over the picture: the clip box's edges, scale bar, colour bar or legend and the probe's cross.
 
-import { byId, clamp, fitCanvas, niceStep, show } from './dom.js';
+import { byId, clamp, fitCanvas, niceStep, show, toHex } from './dom.js';
 import { settings } from './settings.js';
 import { addColours } from './transfer_function.js';
 
@@ -46,6 +46,7 @@ function drawScaleBar(context, colours, { bar, unit, perspective, height }) {
   write(context, colours, words, margin + 4, y - 5);
 }
 
+/** Returns where its upper end is. */
 function drawColourBar(context, colours, tf, [low, high], height) {
   const tall = clamp(height * 0.3, 80, 200), top = height - foot - 44 - tall, wide = 12;
   context.fillStyle = addColours(context.createLinearGradient(0, top + tall, 0, top), tf, [low, high]);
@@ -55,7 +56,7 @@ function drawColourBar(context, colours, tf, [low, high], height) {
   context.strokeRect(margin - 0.5, top - 0.5, wide + 1, tall + 1);
   context.textAlign = 'left';
   context.textBaseline = 'middle';
-  if (!(high > low)) return;
+  if (!(high > low)) return top;
   const step = niceStep(high - low, Math.max(2, Math.floor(tall / 32)));
   for (let k = Math.ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; ++k) {
     const y = top + tall * (1 - (k * step - low) / (high - low));
@@ -63,6 +64,24 @@ function drawColourBar(context, colours, tf, [low, high], height) {
     context.fillRect(margin + wide, y - 0.5, 4, 1);
     write(context, colours, show(k * step), margin + wide + 7, y);
   }
+  return top;
+}
+
+/** From above down to `bottom`, each name behind a piece of its colour; of too many the last line says how many more. */
+function drawLegend(context, colours, all, bottom) {
+  const step = 18, most = Math.max(1, Math.floor(bottom * 0.6 / step));
+  const rows = all.length > most ? [...all.slice(0, most - 1), { name: `and ${all.length - most + 1} more` }] : all;
+  context.textAlign = 'left';
+  context.textBaseline = 'middle';
+  rows.forEach(({ name, colour }, k) => {
+    const y = bottom - step * (rows.length - k);
+    context.lineWidth = 1;
+    context.fillStyle = colour ? toHex(colour) : 'transparent';
+    context.fillRect(margin, y, 12, 12);
+    context.strokeStyle = colours.text;
+    if (colour) context.strokeRect(margin - 0.5, y - 0.5, 13, 13);
+    write(context, colours, name, margin + (colour ? 19 : 0), y + 6);
+  });
 }
 
 /** Of a box: each from one corner to another, by the ends of its sides. */
@@ -90,8 +109,8 @@ function drawRuler(context, colours, places) {
   for (const [x, y] of places) context.fillRect(x - 3, y - 3, 6, 6);
 }
 
-/** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `places`: the ruler's. Returns the scale bar that was drawn. */
-export function drawOverlay({ state, volume, seen, cross, slices, places }) {
+/** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `places`: the ruler's; `legend`: of names and colours. Returns the scale bar that was drawn. */
+export function drawOverlay({ state, volume, seen, cross, slices, places, legend }) {
   const { context, width, height } = fitCanvas(byId('overlay'));
   const colours = ink(state.background), project = (place) => seen.project(place).slice(0, 2);
   context.font = '12px system-ui, sans-serif';
@@ -104,8 +123,11 @@ export function drawOverlay({ state, volume, seen, cross, slices, places }) {
     bar = { length, pixels: length * seen.pixelsPerUnit };
     drawScaleBar(context, colours, { bar, unit: volume.unit, perspective: state.camera.fov > 0, height });
   }
+  let bottom = height - foot - 34;
+  const { low, high } = volume.histogram;
   if (settings.colours && !volume.labels.length && !state.channels.length)
-    drawColourBar(context, colours, state.transfer_function, [volume.histogram.low, volume.histogram.high], height);
+    bottom = drawColourBar(context, colours, state.transfer_function, [low, high], height) - 10;
+  if (settings.colours) drawLegend(context, colours, legend, bottom);
   if (places.length > 1) drawRuler(context, colours, places.map(project));
   if (cross) drawCross(context, colours, cross);
   return bar;
