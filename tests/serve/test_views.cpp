@@ -59,12 +59,35 @@ TEST_CASE("Only a view that looks otherwise is newer") {
   CHECK(views.has_newer(first));
 }
 
+TEST_CASE("Of two volumes that are compared each has its place among those that ranks hold") {
+  ViewerOptions options = small_volume();
+  options.initial.shown.transfer_function = {.colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}},
+                                             .opacities = {{0, 0}, {1, 1}}};
+  options.channels.resize(2);
+  options.initial.channels.resize(2, {.window = {0, 1}});
+  for (ShownChannel& channel : options.channels) channel.own[Mode::composite] = options.initial.shown;
+  Views views(options);
+  ViewMessage view = view_of(options, 5);
+  view.scene.compared = 3;
+  CHECK_FALSE(views.can_draw(view.scene));
+  views.put(ViewMessage(view));
+  views.loaded({5, 3});
+  CHECK(views.can_draw(view.scene));
+  REQUIRE(views.next());
+  std::vector<std::size_t> drawn;
+  for (const auto& picture : views.pictures(0))
+    for (const VolumeFrame& part : picture) drawn.push_back(part.volume);
+  CHECK(drawn == std::vector<std::size_t>{0, 1, 2, 3});
+  views.not_loaded(3);
+  CHECK_FALSE(views.next());
+}
+
 TEST_CASE("Of every volume of a series that was loaded one picture is drawn before the newest is wanted") {
   const ViewerOptions options = small_volume();
   Views views(options);
   views.put(view_of(options, 1));
   CHECK(views.next()->view.message.scene.frame == 1);
-  views.loaded(1);
+  views.loaded({1});
   for (const int volume : {2, 3}) views.put(view_of(options, volume));
   CHECK(draw(views).first == 1);
   CHECK(views.next()->view.message.scene.frame == 3);

@@ -1,0 +1,119 @@
+"""Two volumes from one view: `serve A B`, and two of a series."""
+import os, subprocess
+
+import viewer_client as vc
+from series_cases import BROKEN, is_frame, is_the_programs, show
+from server_case import expect, is_alive
+
+LOSSY = 255 * 10 ** (-45 / 20)  # of a picture at rest, as a JPEG
+
+
+def pair(client, **wanted):
+    """A view's two pictures, which come one right after the other."""
+    first = client.picture(which=0, more=1, **wanted)
+    second = client.receive()
+    expect(isinstance(second, vc.Picture), f"between the two came {second}")
+    for what in ("number", "seq", "width", "height", "level", "at_rest", "format", "time"):
+        expect(getattr(first, what) == getattr(second, what), f"another {what}")
+    expect((second.which, second.more) == (1, 0), "not the second picture")
+    return first, second
+
+
+def compared(options, server):
+    client, watcher = server.client(), server.client()
+    seq = show(client, 0, compare=2)
+    beside = pair(client, seq=seq, at_rest=1)
+    watched = watcher.text("state")["state"]
+    expect((watched["frame"], watched["compare"], watched["difference"]) == (0, 2, 0), watched)
+    expect(pair(watcher, at_rest=1)[1].file == beside[1].file, "the watcher sees another picture")
+    watcher.close()
+    seq = show(client, 0, compare=2, difference=4)
+    exact = pair(client, seq=seq, at_rest=1)
+    seq = show(client, 1)
+    alone = client.picture(seq=seq, at_rest=1)
+    expect((alone.which, alone.more) == (0, 0), "another picture is told of")
+    turned_together(client)
+    same_volume(client)
+    values_of_both(client)
+    wrong(client)
+    failure(client)
+    client.close()
+    is_alive(server)
+    for pictures, limit in ((beside, LOSSY), (exact, 0)):
+        for picture, frame in zip(pictures, (0, 2)):
+            is_the_programs(options, picture, frame, limit)
+    is_the_programs(options, alone, 1, LOSSY)
+
+
+def turned_together(client):
+    """While it is turned, too, a picture is never without the other one of its view; and views give way to newer ones."""
+    for k in range(8):
+        for more in range(5):
+            newest = client.view(moving=True, width=160, height=120, frame=0, compare=2, camera={"azimuth": 15.0 * k + more})
+        pair(client, seq=newest)
+    last = show(client, 0, compare=2)
+    pair(client, seq=last, at_rest=1)
+
+
+def same_volume(client):
+    """What is held is not loaded again, also where the two change places or are one."""
+    for frame, other in ((2, 0), (0, 0)):
+        seq = show(client, frame, compare=other)
+        loads = []
+        client.receive_until(lambda m: loads.append(m) if isinstance(m, dict) and m["type"] == "frame" else
+                             isinstance(m, vc.Picture) and m.seq == seq and m.at_rest and m.more)
+        second = client.receive()
+        expect(not loads and second.which == 1, loads)
+
+
+def values_of_both(client):
+    """A pixel of either picture is of its volume, as if that were shown alone."""
+    show(client, 1, compare=2)
+    asked = {}
+    for number, more in ((1, {}), (2, {"compared": True})):
+        client.send({"type": "probe", "id": number, "x": 80, "y": 60, **more})
+        asked[number] = client.text("probe")
+        expect(asked[number]["id"] == number and asked[number]["hit"], asked)
+    show(client, 2)
+    client.send({"type": "probe", "id": 2, "x": 80, "y": 60})
+    expect(client.text("probe") == asked[2] and asked[1]["value"] != asked[2]["value"], asked)
+
+
+def wrong(client):
+    for state in ({"compare": -1}, {"compare": 6}, {"compare": "1"}, {"compare": 0.5, "difference": 2}, {"difference": -1}):
+        client.send({"type": "view", "seq": 1, "width": 64, "height": 64, "state": state})
+        expect(client.text("error")["message"], "no words")
+
+
+def failure(client):
+    """One of the two cannot be loaded: it alone is told of."""
+    show(client, 1, compare=BROKEN)
+    failed = client.receive_until(lambda m: isinstance(m, dict) and m["type"] == "frame" and m["status"] == "failed")
+    expect(failed["frame"] == BROKEN, failed)
+    expect(f"step_{BROKEN + 7}.nrrd" in client.text("error")["message"], "the error does not name the file")
+    seq = show(client, 1)
+    client.picture(seq=seq, at_rest=1)
+
+
+def make_two(options):
+    """Two of the same name in two folders and one on another grid. Returns the first."""
+    for name, shape, dims in (("a/density", "shell", "24x20x28"), ("b/density", "ball", "24x20x28"), ("other", "ball", "8x8x8")):
+        path = os.path.join(options.scratch, f"{name}.nrrd")
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        subprocess.run([options.program, "synth", shape, "-o", path, "--dims", dims], check=True, capture_output=True)
+    return os.path.join(options.scratch, "a", "density.nrrd")
+
+
+def two_volumes(options, server):
+    """Volumes that are named one by one are a series, those of the same name by their paths; all on one grid."""
+    client = server.client()
+    same = [os.path.join(options.scratch, folder, "density.nrrd") for folder in "ab"]
+    expect(client.hello["frames"] == [*same, "other.nrrd"], client.hello["frames"])
+    first, second = pair(client, seq=client.view(frame=0, compare=1), at_rest=1)
+    expect(first.file != second.file, "the same picture twice")
+    client.view(frame=0, compare=2)
+    error = client.text("error")
+    expect("other.nrrd" in error["message"] and "one grid" in error["hint"], error)
+    client.close()
+    refused = subprocess.run([options.program, "serve", *same, "--frames", "all"], capture_output=True, text=True)
+    expect(refused.returncode != 0 and "--frames" in refused.stderr, refused.stderr)
