@@ -9,10 +9,13 @@ extern "C" int smpi_nanosleep(const timespec* time, timespec* left) __attribute_
 
 namespace ringsplat {
 
+/// How many times as long as on others computing takes on this rank, of which SMPI gives each its own.
+inline double slowness = 1;
+
 /// Advances this rank's simulated clock by so many seconds of computing; does nothing outside of a
 /// simulation.
 inline void charge(double seconds) {
-  if (simulated() && seconds > 0) smpi_execute_benched(seconds);
+  if (simulated() && seconds > 0) smpi_execute_benched(slowness * seconds);
 }
 
 /// Lets so many seconds of the simulated clock pass without computing; does nothing outside of a simulation.

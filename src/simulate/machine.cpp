@@ -68,6 +68,8 @@ std::vector<Field> fields_of(Machine& m) {
           seconds("message.wake", m.message.wake),
           seconds("message.packet", m.message.packet),
           count("message.packet_bytes", m.message.packet_bytes, 0, 1 << 30),
+          count("slow.rank", m.slow.rank, -1, most_count),
+          {"slow.factor", 1, 1000, into(m.slow.factor)},
           {"poll_interval", 1e-9, longest, into(m.poll_interval), true},
           {"platform.bandwidth", 1, no_limit, into(m.platform.bandwidth), true},
           seconds("platform.latency", m.platform.latency, true),

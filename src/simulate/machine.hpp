@@ -52,6 +52,10 @@ struct Machine {
   } message;
   /// A node that computes looks for messages this often.
   double poll_interval = 0;
+  struct {
+    int rank = -1;  ///< whose computing takes so many times as long; -1: nobody's
+    double factor = 2;
+  } slow;
   /// Factor on a frame whose ranks share cores. Simulated ranks share them evenly, systems do not.
   double sharing = 1;
 

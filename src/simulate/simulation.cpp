@@ -29,7 +29,9 @@ class ChargedTransport final : public TransportDecorator {
       : TransportDecorator(transport),
         machine_(machine),
         count_only_(count_only),
-        shared_(shares_cores(machine, transport.ranks())) {}
+        shared_(shares_cores(machine, transport.ranks())) {
+    if (machine.slow.rank == transport.rank()) slowness = machine.slow.factor;
+  }
 
   void send(int destination, Message message) override {
     Header& h = message.header;
