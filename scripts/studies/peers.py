@@ -327,7 +327,7 @@ def draw(plt, rows):
 
 RANKS = (1, 2, 3, 4, 6)
 RACERS = {"best": "ringsplat, sheets, best", "paper": "ringsplat, splats on the screen", "smart": "ParaView, GPU caster on llvmpipe",
-          "cast": "ParaView, fixed-point caster"}
+          "ghosts": "ParaView, GPU caster, two ghost layers", "cast": "ParaView, fixed-point caster"}
 
 
 def paraview(words):

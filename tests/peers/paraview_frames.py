@@ -1,26 +1,26 @@
 """Renders the scene of scripts/study peers with ParaView:
 
-    mpirun -n N pvbatch --sym paraview_frames.py FOLDER FUNCTION phong|none smart|cast [PREFIX]
+    mpirun -n N pvbatch --sym paraview_frames.py FOLDER FUNCTION phong|none smart|ghosts|cast [PREFIX]
 
-`smart` is ParaView's default, the GPU ray caster, which Mesa's llvmpipe runs where there is no graphics card; `cast` the fixed-point ray
-caster. Each process renders its part of the volume, IceT composites. Process 0 prints the seconds of each view's frame; with PREFIX every
-one writes its largest memory, in bytes, into PREFIX.memory.PID. Every process runs this script, as only so a light with an ambient part
-can be set.
+`smart` is ParaView's default, the GPU ray caster, which Mesa's llvmpipe runs where there is no graphics card; `ghosts` the same with two layers
+of the neighbours' cells round each process's part, as interpolation and gradients need; `cast` the fixed-point ray caster. Each process
+renders its part of the volume, IceT composites. Process 0 prints the seconds of each view's frame; with PREFIX every one writes its largest
+memory, in bytes, into PREFIX.memory.PID. Every process runs this script, as only so a light with an ambient part can be set.
 """
 import os
 import resource
 import sys
 from pathlib import Path
 
-from paraview.simple import (AddLight, ColorBy, CreateView, GetColorTransferFunction, GetOpacityTransferFunction, ImageReader, Render, Show,
-                             UpdatePipeline)
+from paraview.simple import (AddLight, ColorBy, CreateView, GetColorTransferFunction, GetOpacityTransferFunction, GhostCellsGenerator, ImageReader,
+                             Render, Show, UpdatePipeline)
 from paraview.simple import servermanager
 from vtkmodules.util.numpy_support import vtk_to_numpy
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from scene import AMBIENT, DIFFUSE, EXPONENT, HALF_VECTOR_EXPONENT, SPECULAR, Scene, draw_frames  # noqa: E402
 
-MODES = {"smart": ("Smart", EXPONENT), "cast": ("Ray Cast Only", HALF_VECTOR_EXPONENT)}
+MODES = {"smart": ("Smart", EXPONENT), "ghosts": ("Smart", EXPONENT), "cast": ("Ray Cast Only", HALF_VECTOR_EXPONENT)}
 
 
 def read_head(scene):
@@ -38,7 +38,8 @@ def read_head(scene):
 
 def show(scene, view, function, shaded, program):
     mode, exponent = MODES[program]
-    shown = Show(read_head(scene), view)
+    head = read_head(scene)
+    shown = Show(GhostCellsGenerator(Input=head, BuildIfRequired=0, MinimumNumberOfGhosts=2) if program == "ghosts" else head, view)
     shown.SetRepresentationType("Volume")
     ColorBy(shown, ("POINTS", "value"))
     colours, opacities = GetColorTransferFunction("value"), GetOpacityTransferFunction("value")
