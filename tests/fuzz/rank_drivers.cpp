@@ -72,7 +72,7 @@ class Rank {
  public:
   Rank(std::size_t job, int rank, Transport& transport)
       : frames_(rank == 0 ? director_of({jobs()[job].spec}, [](FrameResult&&) {}) : Director{},
-                scene_of(job).grid, jobs()[job].layout.renderers),
+                scene_of(job).grid, jobs()[job].layout),
         engine_(engine_of(job, rank)),
         host_(jobs()[job].layout, jobs()[job].protocol, transport, *engine_, &frames_) {}
   Host& host() { return host_; }

@@ -260,7 +260,7 @@ TEST_CASE("the watchdog ends a rank's run and says whom it waits for") {
   Scene scene = load_scene(volume, {}, mesh, {solo});
   LoopbackNetwork network(mesh.ranks());
   DirectedFrames frames({.next_frame = [] { return std::optional(small_view(48)); }, .frame_done = {}},
-                        scene.grid, mesh.renderers);
+                        scene.grid, mesh);
   std::vector<std::unique_ptr<Engine>> engines;
   std::vector<std::unique_ptr<Host>> ranks;
   for (int rank = 0; rank < mesh.ranks(); ++rank) {
