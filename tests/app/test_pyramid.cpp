@@ -175,6 +175,11 @@ TEST_CASE("a pyramid that was interrupted is gone on with, and nothing else is w
   succeeded(run_program({"synth", "ball", "-o", other, "--dims", "70"}));
   CHECK(refused(run_program({"pyramid", other, store}), "was begun for another volume"));
   CHECK(refused(run_program({"pyramid", head, store, "--labels"}), "or with other options"));
+  // As other ranks left it: the last chunk of a layer without the first.
+  const fs::path layer = fs::path(store) / "0/0";
+  fs::create_directories(layer / "1");
+  fs::copy_file(fs::path(whole) / "0/0/1/1", layer / "1/1", fs::copy_options::overwrite_existing);
+  fs::remove(layer / "0/0");
   succeeded(run_program({"pyramid", head, store}));
   CHECK(content_of(store) == content_of(whole));
   CHECK(refused(run_program({"pyramid", head, store}), "is there already"));

@@ -95,9 +95,10 @@ std::vector<VoxelBox> ZarrLevel::blocks(double slice_bytes) const {
 }
 
 bool ZarrLevel::has_layer(int layer, const VoxelBox& block) const {
-  // Chunks are written in order.
-  const glm::ivec3 last = (block.end - 1) / chunk_;
-  return fs::exists(chunk_file(layer, last.y, last.x));
+  for (int y = block.first.y / chunk_.y; y * chunk_.y < block.end.y; ++y)
+    for (int x = block.first.x / chunk_.x; x * chunk_.x < block.end.x; ++x)
+      if (!fs::exists(chunk_file(layer, y, x))) return false;
+  return true;
 }
 
 std::vector<std::byte> ZarrLevel::chunk_of(std::span<const std::byte> slices, const Grid& block, int y,
