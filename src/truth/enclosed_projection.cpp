@@ -81,9 +81,11 @@ class Projector : EnclosedTracer {
       const auto among_values = [&](const Interval& x) {
         return clamped(x, s->values.lower(), s->values.upper());
       };
-      const Interval further = greatest ? max(extremum, among_values(greatest_of(s->value)))
-                                        : min(extremum, among_values(-greatest_of({-p0, -p1, -p2, -p3})));
-      extremum = s->sure ? further : hull(extremum, further);
+      if (greatest || shown_.mode == Mode::minip) {
+        const Interval further = greatest ? max(extremum, among_values(greatest_of(s->value)))
+                                          : min(extremum, among_values(-greatest_of({-p0, -p1, -p2, -p3})));
+        extremum = s->sure ? further : hull(extremum, further);
+      }
       const Interval part = passage.length * among_values(p0 + p1 / 2.0 + p2 / 3.0 + p3 / 4.0);
       integral += s->sure ? part : hull(part, Interval(0));
       met = hull(met, s->values);
