@@ -30,7 +30,7 @@ class ChargedTransport final : public TransportDecorator {
         machine_(machine),
         count_only_(count_only),
         shared_(shares_cores(machine, transport.ranks())) {
-    if (machine.slow.rank == transport.rank()) slowness = machine.slow.factor;
+    slowness = machine.slow.rank == transport.rank() ? machine.slow.factor : 1;
   }
 
   void send(int destination, Message message) override {
