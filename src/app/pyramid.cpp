@@ -69,7 +69,7 @@ void begin_store(const fs::path& store, const std::string& text) {
 }
 
 /// A rank's buffers for voxels; with the program itself, its libraries and a chunk's it stays below 256 MiB.
-constexpr double room = 96 << 20;
+constexpr double room = 48 << 20;
 
 /// Voxels of a block of a level, and what they are made of.
 struct Block {
