@@ -286,6 +286,20 @@ TEST_CASE("ImageJ's slices behind its only page are read", "[tiff]") {
   CHECK(says(message_of([&] { open_volume(path); }), "6 slices (by its ImageJ), and has 1 pages"));
 }
 
+TEST_CASE("a stack whose description is cut off is refused", "[tiff][bad]") {
+  const Folder folder;
+  const auto text = image_j("images=6\nchannels=2\nslices=3\n");
+  const auto path = write_pages(folder / "a.tif", 6, text);
+  // The text moves to the end, where it is the first to be lost. Without it the channels would be slices.
+  auto bytes = slurp(path);
+  const auto field = bytes.find(std::string("\x0E\x01\x02\0", 4) + bytes_of(std::uint32_t(text.size() + 1)));
+  REQUIRE(field != std::string::npos);
+  bytes.replace(field + 8, 4, bytes_of(std::uint32_t(bytes.size())));
+  CHECK(letters_of(write(path, bytes + text + '\0'), 0, "1") == "bdf");
+  write(path, bytes + text.substr(0, text.size() / 2));
+  CHECK(says(message_of([&] { open_volume(path); }), "it is cut short: a page lies behind its end"));
+}
+
 TEST_CASE("smaller copies of pages are no slices", "[tiff]") {
   const Folder folder;
   const auto path = write_pages(folder / "a.tif", 4, "pyramid");
