@@ -28,7 +28,7 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ringsplat DESTINATION ${CMAKE_IN
 install(FILES ${PROJECT_SOURCE_DIR}/src/c/ringsplat.f90 DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ringsplat)
 install(FILES ${PROJECT_BINARY_DIR}/include/ringsplat/config.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ringsplat)
 
-configure_package_config_file(src/ringsplat-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config.cmake
+configure_package_config_file(scripts/packaging/ringsplat-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config.cmake
   INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config-version.cmake
