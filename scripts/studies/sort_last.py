@@ -7,6 +7,7 @@ Writes FOLDER/sort_last.csv, a row for each run as it comes, draws it into FOLDE
     large    along an axis, of 1024³ voxels at 1024²
     views    on 64 ranks along an axis, turned further, and from an eye
     sparse   on 64 ranks a shell of 3 % of the voxels
+    layers   some of these rows with layers of so many slices, whose pictures do not depend on the ranks
 
 Frames turn by two degrees: of the first one all voxels are new to who draws them, of a later one they are kept. Both sides draw with the
 same encoder and painter. Sort-last: sections with as many slices each or with the same cost, radix-k, ranks put on hosts one after
@@ -37,6 +38,9 @@ FRAMES, REAL_FRAMES, TURN = 5, 7, 2
 # Azimuth, elevation, and degrees that an eye sees.
 VIEWS = {"axis": (0, 90, 0), "30/20": (30, 20, 0), "36/35": (36, 35, 0), "eye, 30/20": (30, 20, 40)}
 SCENES = {"ball": 0.32, "shell": 0.03}
+# Ranks, scene, view and slices of a layer.
+LAYERS = [(64, "ball", "30/20", 8), (64, "ball", "30/20", 16), (64, "ball", "30/20", 32), (16, "ball", "30/20", 16), (16, "ball", "30/20", 32),
+          (256, "ball", "30/20", 16), (256, "ball", "30/20", 32), (64, "ball", "axis", 16), (64, "shell", "30/20", 16)]
 
 
 def real_rings(ranks):
@@ -158,14 +162,15 @@ class Study(Rows):
         layout = f"{ranks} colocated" if roles["roles"] == "colocated" else f"{roles['gps']}+{roles['renderers']}"
         self.note(common | self.of_ring(frames) | {"setting": layout})
 
-    def simulated_sections(self, network, ranks, size, volume, view, even):
-        weight = (size // DRAWN) ** 2
+    def simulated_sections(self, network, ranks, size, volume, view, even, *layers):
+        drawn = size if layers else DRAWN
+        weight = (size // drawn) ** 2
         machine = slower(MACHINES / network, weight, self.path(f"{weight}-{network}"))
         config = self.path("ranks.toml")
         with open(config, "w", encoding="utf-8") as file:
             file.write(f'machine = "{machine}"\nroles = "colocated"\ngps = {ranks}\nrenderers = {ranks}\n')
         blend, compress = self.costs_of_icet()
-        said = run_simulation(config, *volume, *self.race_view(view, FRAMES), "--size", DRAWN, "--pixel-weight", weight,
+        said = run_simulation(config, *volume, *self.race_view(view, FRAMES), "--size", drawn, "--pixel-weight", weight, *layers,
                               "--blend-seconds-per-byte", blend, "--compress-seconds-per-pixel", compress,
                               *(["--even"] if even else []), monitors={"other": BUILD / "sort_last_smpi.so"})
         return [json.loads(line) for line in said.splitlines()] or fail(f"{ranks} simulated ranks drew nothing of {view}")
@@ -188,6 +193,13 @@ class Study(Rows):
     def sparse(self):
         for network in NETWORKS:
             self.simulated("sparse", network, 64, scene="shell")
+
+    def layers(self):
+        for ranks, scene, view, slices in LAYERS:
+            for network in NETWORKS if ranks <= self.most_ranks else ():
+                frames = self.simulated_sections(network, ranks, 512, self.scene(scene, 512), view, False, "--layers", slices)
+                self.note({"study": "layers", "machine": network, "ranks": ranks, "scene": scene, "view": view, "voxels": 512, "picture": 512} |
+                          self.of_sections(frames) | {"program": "layers", "setting": slices})
 
 
 COLOURS = {"ring": "#0072B2", "sort-last": "#D55E00"}
@@ -248,7 +260,7 @@ def main(words):
     arguments = parser(__doc__)
     arguments.add_argument("--draw", action="store_true", help="only draws and prints FOLDER/sort_last.csv again")
     arguments.add_argument("--icet", type=float, nargs=2, metavar=("BYTE", "PIXEL"), help="seconds, as another run of the study said")
-    options, studies = chosen_studies(arguments, words, [Study.real, Study.strong, Study.large, Study.views, Study.sparse])
+    options, studies = chosen_studies(arguments, words, [Study.real, Study.strong, Study.large, Study.views, Study.sparse, Study.layers])
     plt = plotting()
     if not options.draw:
         with tempfile.TemporaryDirectory() as folder:
