@@ -163,14 +163,14 @@ class Study(Rows):
         self.note(common | self.of_ring(frames) | {"setting": layout})
 
     def simulated_sections(self, network, ranks, size, volume, view, even, *layers):
-        drawn = size if layers else DRAWN
+        drawn, frames = (size, 3) if layers else (DRAWN, FRAMES)
         weight = (size // drawn) ** 2
         machine = slower(MACHINES / network, weight, self.path(f"{weight}-{network}"))
         config = self.path("ranks.toml")
         with open(config, "w", encoding="utf-8") as file:
             file.write(f'machine = "{machine}"\nroles = "colocated"\ngps = {ranks}\nrenderers = {ranks}\n')
         blend, compress = self.costs_of_icet()
-        said = run_simulation(config, *volume, *self.race_view(view, FRAMES), "--size", drawn, "--pixel-weight", weight, *layers,
+        said = run_simulation(config, *volume, *self.race_view(view, frames), "--size", drawn, "--pixel-weight", weight, *layers,
                               "--blend-seconds-per-byte", blend, "--compress-seconds-per-pixel", compress,
                               *(["--even"] if even else []), monitors={"other": BUILD / "sort_last_smpi.so"})
         return [json.loads(line) for line in said.splitlines()] or fail(f"{ranks} simulated ranks drew nothing of {view}")
