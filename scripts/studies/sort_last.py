@@ -269,5 +269,6 @@ def main(words):
             for run in studies:
                 run(study)
     best = fastest(read_csv(os.path.join(options.folder, "sort_last.csv")))
-    write_figure(draw(plt, best), os.path.join(options.folder, "sort_last.png"))
+    if any(key[0] == "strong" for key in best):
+        write_figure(draw(plt, best), os.path.join(options.folder, "sort_last.png"))
     print_fastest(best)
