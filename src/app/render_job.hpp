@@ -83,10 +83,6 @@ void settle_ranks(Job& job, Launch& launch);
 /// memory.
 void settle_layout(Job& job, std::size_t pictures, std::size_t volumes, Launch& launch);
 
-/// Throws the InputError of settle_layout() where this process's part of `volumes` of the job's series
-/// exceeds the machine's memory.
-void check_memory(const Job& job, std::size_t pictures, const Launch& launch, std::size_t volumes = 1);
-
 // What all runs do that render a volume.
 
 OpenedVolume open(const VolumeOptions& volume, Launch& launch);
@@ -161,10 +157,8 @@ std::vector<std::pair<int, std::string>> files_of_pattern(const std::string& pat
 std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& numbers,
                                const std::string& what);
 
-/// The volumes that are asked for: without --frames the one, and `more` that are named one by one. Throws
-/// InputError when they cannot be found.
-std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames,
-                                     const std::vector<std::string>& more);
+/// The volumes that are asked for: without --frames the one. Throws InputError when they cannot be found.
+std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames);
 
 /// Loads the volumes of a series, one at a time, all of one grid. While one is drawn a thread of each process
 /// reads of the next what the process was asked for of the last one; it calls no MPI. All processes call all

@@ -7,7 +7,6 @@
 #include <charconv>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <regex>
 #include <utility>
 
@@ -90,18 +89,6 @@ std::vector<SeriesEntry> volumes_in_file(const VolumeOptions& volume, const Fram
   return entries;
 }
 
-/// Those that are called the same, in other folders, by their paths.
-std::vector<SeriesEntry> named_volumes(const VolumeOptions& first, const std::vector<std::string>& more) {
-  std::vector<SeriesEntry> entries{{0, first.path, first.choice.frame, base_name(first.path)}};
-  for (const std::string& path : more)
-    entries.push_back({int(entries.size()), path, first.choice.frame, base_name(path)});
-  std::map<std::string, int> called;
-  for (const SeriesEntry& entry : entries) ++called[entry.name];
-  for (SeriesEntry& entry : entries)
-    if (called[entry.name] > 1) entry.name = entry.path;
-  return entries;
-}
-
 }  // namespace
 
 Numbered files_of_pattern(const std::string& pattern) {
@@ -141,14 +128,13 @@ std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& 
   return chosen;
 }
 
-std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames,
-                                     const std::vector<std::string>& more) {
+std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames) {
   try {
     const bool pattern = is_pattern(volume.path);
     if (!frames && pattern)
       throw InputError(fmt::format("{} is no file, but a pattern for several", printable(volume.path)),
                        "add --frames all, or name one file");
-    if (!frames) return named_volumes(volume, more);
+    if (!frames) return {{0, volume.path, volume.choice.frame, base_name(volume.path)}};
     std::vector<SeriesEntry> entries;
     if (!pattern) entries = volumes_in_file(volume, *frames);
     for (const auto& [number, file] : pattern ? files_of_pattern(volume.path) : Numbered())

@@ -5,7 +5,6 @@ import { ClipPanel, wholeBox } from './clip_panel.js';
 import { ClipPlanesPanel } from './clip_planes_panel.js';
 import { Connection, kinds } from './connection.js';
 import { ChannelsPanel } from './channels_panel.js';
-import { ComparePanel } from './compare_panel.js';
 import { byId, onceAFrame, openFile } from './dom.js';
 import { FilmPanel } from './film_panel.js';
 import { FramePanel } from './frame_panel.js';
@@ -54,13 +53,11 @@ class App {
     this.clipPlanes = new ClipPlanesPanel(this);
     this.film = new FilmPanel(this);
     this.series = new FramePanel(this);
-    this.compare = new ComparePanel(this);
     this.runs = new RunPanel(this);
     this.snapshots = new SnapshotPanel(this);
     this.probing = new Probe(this);
     this.slices = new Slices(this);
     this.gestures = new Gestures(this, byId('picture'));
-    new Gestures(this, byId('second'));
     attachKeyboard(this);
     attachSettings();
     onSettings(() => byId('stage').classList.toggle('with-slices', settings.slices));
@@ -126,7 +123,6 @@ class App {
     this.scene.begin(hello.state, this.fitting(kept));
     if (!resumes) this.history.clear(this.scene.state);
     this.series.begin();
-    this.compare.begin();
     this.runs.begin();
     this.transfer.begin(hello);
     this.labels.begin(volume.labels, hello.segments, hello.state.tints);
@@ -142,7 +138,6 @@ class App {
     if (driving !== this.driving) this.stage.forget();
     [this.driving, this.scene.locked] = [driving, !driving];
     showDriver(driving, viewers);
-    this.changed.add('compare');
     this.redraw();
     if (driving) return void this.sender.request();
     this.film.stop();
@@ -160,8 +155,7 @@ class App {
 
   async takeBinary(head) {
     if (head.kind !== kinds.picture) return void this.connection.answer(head.number, head);
-    if (head.more > 0) return void (this.first = head);  // the view's other picture follows
-    await this.stage.take(head.which > 0 ? [this.first, head] : [head]);
+    await this.stage.take(head);
     this.connection.send({ type: 'ack', picture: head.number });
   }
 
@@ -222,12 +216,11 @@ class App {
   }
   /** A scene may come from a longer series, or a volume with other channels or labels. */
   fitting(state) {
-    const { channels, compare, frame, tints, ...rest } = state ?? {}, last = this.hello.frames.length - 1;
+    const { channels, frame, tints, ...rest } = state ?? {};
     if (channels?.length === this.hello.channels.length) rest.channels = channels;
     const labels = this.hello.segments;
     if (tints?.length === labels.length && labels.every(({ value }, k) => tints[k][0] === value)) rest.tints = tints;
-    if (frame !== undefined) rest.frame = Math.min(frame, last);
-    if (compare !== undefined) rest.compare = compare === null || last === 0 ? null : Math.min(compare, last);
+    if (frame !== undefined) rest.frame = Math.min(frame, this.hello.frames.length - 1);
     return rest;
   }
 
@@ -277,8 +270,8 @@ class App {
     this.scene.change({ clip: this.scene.state.clip ? null : this.lastClip ?? wholeBox(this.volume.dims) });
   }
 
-  probe(place, second) {
-    if (this.scene.state) this.probing.ask(place, second);
+  probe(place) {
+    if (this.scene.state) this.probing.ask(place);
   }
   quiet() {
     this.film.stop();
@@ -300,7 +293,7 @@ class App {
     const { width, height } = this.stage.canvas;
     const { state } = this.scene, time = performance.now();
     const sent = this.connection.send({ type: 'view', seq, moving, width, height, time, state });
-    if (sent) this.stage.remember(seq, this.scene.state);
+    if (sent) this.stage.remember(seq, this.scene.state.camera, this.scene.state.frame);
     if (sent) this.awaitPicture(!this.runs.goesOn);
     return sent;
   }
@@ -350,7 +343,6 @@ class App {
     if (keys.has('clip')) this.clipPanel.refresh();
     if (keys.has('clip_planes')) this.clipPlanes.refresh();
     if (keys.has('frame')) this.series.refresh();
-    if (keys.has('compare') || keys.has('difference')) this.compare.refresh();
     this.slices.refresh();
     const { state } = this.scene, { cross, places } = this.probing;
     this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross, places,

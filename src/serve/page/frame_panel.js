@@ -39,10 +39,7 @@ export class FramePanel {
   }
 
   go(frame) {
-    if (this.count < 2) return;
-    const to = clamp(Math.round(frame), 0, this.count - 1), { compare } = this.app.scene.state;
-    // Of two volumes that are compared each takes the other's place.
-    this.app.scene.change(this.count === 2 && compare === to ? { frame: to, compare: 1 - to } : { frame: to });
+    if (this.count > 1) this.app.scene.change({ frame: clamp(Math.round(frame), 0, this.count - 1) });
   }
 
   step(by) {
@@ -95,7 +92,6 @@ export class FramePanel {
     if (status !== 'failed') return;
     this.stop();
     if (this.app.driving && frame === this.frame) this.go(this.seen);
-    if (this.app.driving && frame === this.app.compare.choice.compare) this.app.scene.change({ compare: null });
   }
 
   refresh() {

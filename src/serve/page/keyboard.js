@@ -52,7 +52,6 @@ function actions(app) {
     ['q', 'slices beside the volume on or off', toggle('slices')],
     ['[', 'the frame before, of a series', () => app.series.step(-1)],
     [']', 'the next frame', () => app.series.step(1)],
-    ['a', 'another volume of the series beside it, the difference, or neither', () => app.compare.toggle()],
     ['l', 'play the series', () => app.series.toggle()],
     ['m', 'hold the simulation, or let it go on', () => app.runs.toggle()],
     ['n', 'one step of the simulation', () => app.runs.steer('step')],
