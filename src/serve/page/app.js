@@ -346,7 +346,7 @@ class App {
     this.slices.refresh();
     const { state } = this.scene, { cross, places } = this.probing;
     this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross, places,
-                                slices: this.slices.boxes(), legend: [...this.channels.legend(), ...this.labels.legend()] });
+                                slices: this.slices.boxes(), legend: [...this.channels.legend(), ...this.labels.legend] });
     byId('cube').hidden = !settings.cube;
     if (settings.cube) this.viewPanel.turnCube(state.camera);
     this.clipPanel.place();

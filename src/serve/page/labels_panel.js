@@ -16,6 +16,7 @@ export class LabelsPanel {
   constructor(app) {
     this.app = app;
     this.rows = [];
+    this.legend = [];  // names and colours of those that are seen
     byId('all-labels').addEventListener('click', () => this.change(() => ({ opacity: this.seenOpacity })));
     byId('no-labels').addEventListener('click', () => this.change(() => ({ opacity: 0 })));
   }
@@ -47,11 +48,6 @@ export class LabelsPanel {
     return this.rows.map(({ value }) => ({ value, colour: colourAt(tf, value), opacity: opacityAt(tf, value) }));
   }
 
-  /** The names and colours of those that are seen. */
-  legend() {
-    return this.labels().map((label, k) => ({ ...label, name: this.rows[k].name })).filter(({ opacity }) => opacity > 0);
-  }
-
   /** `change(label)` gives the members of a label that become others. */
   change(change) {
     const labels = this.labels().map((label) => ({ ...label, ...change(label) }));
@@ -60,9 +56,11 @@ export class LabelsPanel {
   }
 
   refresh() {
-    this.labels().forEach(({ opacity, colour }, k) => {
+    const labels = this.labels();
+    labels.forEach(({ opacity, colour }, k) => {
       this.rows[k].seen.checked = opacity > 0;
       this.rows[k].colour.value = toHex(colour);
     });
+    this.legend = labels.map((label, k) => ({ ...label, name: this.rows[k].name })).filter(({ opacity }) => opacity > 0);
   }
 }
