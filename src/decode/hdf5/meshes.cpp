@@ -32,18 +32,13 @@ std::array<int, 3> extent_sizes(const std::vector<double>& extent, bool cells) {
   return sizes;
 }
 
-/// True when dimensions `first` ... `first` + 2 are z, y, x of these sizes.
-bool fit(const std::vector<DatasetAxis>& axes, std::size_t first, const std::array<int, 3>& sizes) {
-  if (first + 3 > axes.size()) return false;
-  for (std::size_t k = 0; k < 3; ++k)
-    if (axes[first + k].size != sizes[2 - k]) return false;
-  return true;
-}
-
-/// Without a time dimension, one of time, each with or without components behind.
+/// Of dimensions with z, y, x of these sizes. Without a time dimension, one of time, each with or without
+/// components behind.
 bool set_roles(std::vector<DatasetAxis>& axes, const std::array<int, 3>& sizes, bool temporal) {
   for (const std::size_t first : {std::size_t(temporal), std::size_t(!temporal)}) {
-    if (!fit(axes, first, sizes) || axes.size() > first + 4) continue;
+    if (axes.size() < first + 3 || axes.size() > first + 4) continue;
+    if (axes[first].size != sizes[2] || axes[first + 1].size != sizes[1] || axes[first + 2].size != sizes[0])
+      continue;
     for (std::size_t k = 0; k < axes.size(); ++k) {
       axes[k].known = true;
       axes[k].role = k < first ? Role::frame : k < first + 3 ? Role::space : Role::channel;
