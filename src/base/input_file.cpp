@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -42,6 +43,16 @@ InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
 }
 
 InputFile::~InputFile() { ::close(descriptor_); }
+
+std::shared_ptr<const char> InputFile::mapped() const {
+  const auto bytes = std::max<std::size_t>(1, size());  // there is no mapping of none
+  void* const at = ::mmap(nullptr, bytes, PROT_READ, MAP_PRIVATE, descriptor_, 0);
+  if (at == MAP_FAILED)
+    throw InputError(fmt::format("cannot read {}: {}", path_.string(), std::strerror(errno)),
+                     "check the disk");
+  const auto unmap = [bytes](const char* begin) { ::munmap(const_cast<char*>(begin), bytes); };
+  return {static_cast<const char*>(at), unmap};
+}
 
 std::size_t InputFile::read_some(std::uint64_t offset, std::span<std::byte> out) const {
   // One call reads 2 GiB at most.

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <span>
 
 struct stat;
@@ -35,6 +36,9 @@ class InputFile {
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> out) const;
   /// Fills `out`; throws InputError when the file ends too early.
   void read(std::uint64_t offset, std::span<std::byte> out) const;
+  /// All bytes, read when they are looked at: the system ends a process that looks at what others have cut
+  /// off since. The memory may outlive the object.
+  std::shared_ptr<const char> mapped() const;
   /// Throws InputError when the file has been written to since it was opened.
   void require_unchanged() const;
 

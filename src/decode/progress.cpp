@@ -26,7 +26,8 @@ void limit_time(std::uint64_t bytes) {
   set_limit(RLIMIT_CPU, seconds + least_seconds + rlim_t(bytes / bytes_a_second));
 }
 
-/// What libraries reserve for each thread counts, too. Sanitizers reserve any amount.
+/// Of what is written to: files that are mapped may be larger. What libraries reserve for each thread counts,
+/// too. Sanitizers reserve any amount.
 void limit_memory([[maybe_unused]] std::uint64_t bytes) {
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
   constexpr std::uint64_t least = std::uint64_t{2} << 30, of_a_thread = std::uint64_t{160} << 20;
@@ -36,7 +37,7 @@ void limit_memory([[maybe_unused]] std::uint64_t bytes) {
   const auto used = pages * std::uint64_t(::sysconf(_SC_PAGESIZE));
   const auto more = least + std::thread::hardware_concurrency() * of_a_thread;
   const auto wanted = std::min(bytes, ~std::uint64_t{0} / (2 * copies)) * copies;
-  set_limit(RLIMIT_AS, used + more + wanted);
+  set_limit(RLIMIT_DATA, used + more + wanted);
 #endif
 }
 

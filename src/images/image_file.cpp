@@ -2,14 +2,17 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 #include <new>
 
 #include "base/input_file.hpp"
 #include "base/lack_of_memory.hpp"
-#include "base/memory_file.hpp"
 #include "base/output_file.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
@@ -33,6 +36,20 @@ void* open_shared_library(const char* name) {
       return dlopen((folder / name).c_str(), RTLD_LAZY | RTLD_LOCAL);
   return dlopen(name, RTLD_LAZY | RTLD_LOCAL);
 }
+
+/// A file that exists in memory only and goes with the object; it has a name, for writers that want one.
+struct MemoryFile {
+  MemoryFile() {
+    if (descriptor < 0)
+      throw RunError(fmt::format("cannot make a file in memory: {}", std::strerror(errno)),
+                     "free memory or raise its limits");
+  }
+  ~MemoryFile() { ::close(descriptor); }
+  MemoryFile(const MemoryFile&) = delete;
+  std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor); }
+
+  const int descriptor = ::memfd_create("ringsplat", MFD_CLOEXEC);
+};
 
 RunError failed(const std::string& path, const std::string& why, const std::string& hint) {
   return {fmt::format("{} cannot be written: {}", path, detail::one_line(why)), hint};
@@ -96,8 +113,8 @@ OpenedImageFile open_image_file(const std::filesystem::path& path) {
 
 Bytes image_file_bytes(const std::string& path, const ImageData& image) {
   Bytes bytes;
-  const detail::MemoryFile spare;
-  const std::string problem = image_library().write(path, image, spare.path().string(), bytes);
+  const MemoryFile spare;
+  const std::string problem = image_library().write(path, image, spare.path(), bytes);
   if (!problem.empty()) throw failed(path, problem, problem == no_memory ? "ask for a smaller picture" : "");
   if (!bytes.empty()) return bytes;
   const detail::InputFile written(spare.path());

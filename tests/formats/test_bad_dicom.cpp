@@ -181,6 +181,18 @@ TEST_CASE("what follows DICOM pixels is elements or zeros", "[dicom]") {
   CHECK(says(complaint_about(bytes + std::string(20, '\xAB')), "cut short or damaged"));
 }
 
+TEST_CASE("deflated DICOM that is cut short is refused", "[dicom][bad]") {
+  Dicom image;
+  image.syntax = deflated_syntax;
+  image.pixels = slice_of_samples(0);
+  const auto bytes = image.bytes();
+  for (const std::size_t cut : {8, 60, 200}) {
+    const auto text = complaint_about(bytes.substr(0, bytes.size() - cut));
+    CAPTURE(cut, text);
+    CHECK(says(text, "a.dcm: the compressed data is cut short or damaged; hint: copy the file again"));
+  }
+}
+
 TEST_CASE("DICOM sequences nested without end are refused", "[dicom][bad]") {
   Dicom image;
   image.pixels = slice_of_samples(0);

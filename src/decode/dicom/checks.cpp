@@ -46,7 +46,7 @@ DicomCodec codec_of(const DicomFile& file) {
 
 void check_amount(const DicomFile& file, const DicomShape& shape) {
   std::uint64_t stored = 0;
-  for (const auto& fragment : file.pixels->fragments) stored += fragment.length;
+  for (const auto& fragment : file.pixels->fragments) stored += fragment.size();
   if (file.pixels->encapsulated != (shape.codec != DicomCodec::none))
     refuse(file.path, "write the file again",
            "its pixels are {}in fragments, as its transfer syntax '{}' has them not",

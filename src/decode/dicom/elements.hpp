@@ -6,10 +6,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
-
-#include "base/input_file.hpp"
-#include "base/memory_file.hpp"
 
 namespace ringsplat::detail {
 
@@ -54,28 +52,22 @@ struct DicomItem {
   std::vector<double> numbers(DicomTag tag) const;
 };
 
-struct DicomFragment {
-  std::uint64_t begin = 0, length = 0;
-};
-
-/// Where the pixels are in DicomFile::data.
 struct DicomPixels {
-  bool encapsulated = false;             ///< compressed, in fragments; the first is an offset table
-  std::vector<DicomFragment> fragments;  ///< one when not encapsulated
-  std::uint64_t begin = 0, end = 0;      ///< of the value, with what ends it
+  bool encapsulated = false;                ///< compressed, in fragments; the first is an offset table
+  std::vector<std::string_view> fragments;  ///< one when not encapsulated
+  std::size_t begin = 0, end = 0;           ///< of the value in DicomFile::data, with what ends it
 };
 
 struct DicomFile {
   std::filesystem::path path;
-  std::unique_ptr<MemoryFile> inflated;  ///< of a deflated data set; `data` then reads it
-  std::unique_ptr<InputFile> data;
+  std::shared_ptr<const void> memory;          ///< of `data`
+  std::string_view data;                       ///< without zeros behind it; the inflated data set alone
   std::string transfer_syntax, storage_class;  ///< UIDs of the file's own meta information
-  std::uint64_t end = 0;                       ///< of the elements; zeros may follow
   DicomItem elements;
   std::optional<DicomPixels> pixels;
 
   bool big_endian() const { return transfer_syntax == "1.2.840.10008.1.2.2"; }
-  std::string bytes(std::uint64_t begin, std::uint64_t end) const;  ///< of `data`
+  bool deflated() const { return transfer_syntax == "1.2.840.10008.1.2.1.99"; }
 };
 
 /// Follows the element headers of a DICOM file (PS3.10 section 7, PS3.5 section 7) to its end and checks that

@@ -26,11 +26,7 @@ using namespace std::string_view_literals;
 constexpr const char *again = "copy or write the file again",
                      *elsewhere = "check the file with another viewer";
 
-std::string bytes_of(const DicomFile& file, const DicomFragment& fragment) {
-  return file.bytes(fragment.begin, fragment.begin + fragment.length);
-}
-
-std::uint32_t little32(const std::string& bytes, std::size_t at) {
+std::uint32_t little32(std::string_view bytes, std::size_t at) {
   return BinaryFields(std::as_bytes(std::span(bytes)), false).at<std::uint32_t>(at);
 }
 
@@ -39,18 +35,17 @@ std::vector<std::string> frames_of(const DicomFile& file, const DicomShape& shap
   const auto count = std::size_t(shape.frames);
   const auto& all = file.pixels->fragments;
   if (all.size() < 2) refuse(file.path, again, "its pixels have no fragments");
-  const bool has_table = all[0].length == 4 * count;
-  const std::string table = has_table ? bytes_of(file, all[0]) : std::string();
+  const bool has_table = all[0].size() == 4 * count;
   const bool one_each = all.size() == count + 1;
   std::vector<std::string> frames;
   for (auto fragment = all.begin() + 1; fragment != all.end(); ++fragment) {
     const auto next = frames.size();
     const bool begins =
         one_each || (count == 1 && next == 0) ||
-        (next < count && has_table && fragment->begin - all[1].begin == little32(table, 4 * next));
+        (next < count && has_table && fragment->data() - all[1].data() == little32(all[0], 4 * next));
     if (begins) frames.emplace_back();
     if (frames.empty()) break;
-    frames.back() += bytes_of(file, *fragment);
+    frames.back() += *fragment;
   }
   if (frames.size() != count)
     refuse(file.path, again, "{} fragments cannot be told to be {} frames", all.size() - 1, count);
@@ -99,17 +94,18 @@ std::string item_of(const std::string& bytes) {
 /// Throws InputError for frames that cannot be told apart, are cut short, or not as the header says.
 std::optional<std::string> bytes_for_gdcm(const DicomFile& file, const DicomShape& shape) {
   if (shape.codec == DicomCodec::none) {
-    if (file.inflated || file.end == file.data->size()) return {};
-    return file.bytes(0, file.end);
+    if (file.deflated() || file.data.size() == std::filesystem::file_size(file.path)) return {};
+    return std::string(file.data);
   }
-  std::string bytes = file.bytes(0, file.pixels->begin) + item_of({});
+  std::string bytes = std::string(file.data.substr(0, file.pixels->begin)) + item_of({});
   for (auto& frame : frames_of(file, shape)) {
     require_whole(file, shape, frame);
     if (shape.codec == DicomCodec::jpeg) frame = without_notes(file, frame);
     if (frame.size() % 2 != 0) frame += '\0';
     bytes += item_of(frame);
   }
-  return bytes + std::string("\xFE\xFF\xDD\xE0\0\0\0\0", 8) + file.bytes(file.pixels->end, file.end);
+  bytes += "\xFE\xFF\xDD\xE0\0\0\0\0"sv;
+  return bytes.append(file.data.substr(file.pixels->end));
 }
 
 /// Of these kinds GDCM does not say how far pixels are apart.

@@ -6,7 +6,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "base/input_file.hpp"
@@ -76,11 +75,11 @@ std::optional<glm::dvec2> window_of(double low, double high) {
 /// last page, and missing strips for zeros; here both throw InputError. A file that is not TIFF has no pages.
 class TiffChain {
  public:
-  explicit TiffChain(const InputFile& file) : file_(file) {
-    std::array<std::byte, 2> order{};
-    if (file.read_some(0, order) != order.size() || order[0] != order[1]) return;
-    if (order[0] != std::byte{'I'} && order[0] != std::byte{'M'}) return;
-    big_endian_ = order[0] == std::byte{'M'};
+  explicit TiffChain(const InputFile& file)
+      : path_(file.path()), mapped_(file.mapped()), bytes_(mapped_.get(), std::size_t(file.size())) {
+    const auto order = bytes_.substr(0, 2);
+    if (order != "II" && order != "MM") return;
+    big_endian_ = order == "MM";
     const auto version = number(2, 2);
     wide_ = version == big_tiff;
     is_tiff_ = version == classic || wide_;
@@ -90,9 +89,9 @@ class TiffChain {
     TiffPages found;
     found.big_endian = big_endian_;
     if (!is_tiff_) return found;
-    const auto most = file_.size() / (count_bytes() + offset_bytes());
+    const auto most = bytes_.size() / (count_bytes() + offset_bytes());
     for (auto at = number(wide_ ? 8 : 4, offset_bytes()); at != 0;) {
-      if (found.pages.size() > most) refuse(file_.path(), "write the file again", "its pages form a loop");
+      if (found.pages.size() > most) refuse(path_, "write the file again", "its pages form a loop");
       at = read_page(at, found);
     }
     return found;
@@ -104,15 +103,14 @@ class TiffChain {
   std::size_t entry_bytes() const { return wide_ ? 20 : 12; }
 
   [[noreturn]] void fail() const {
-    refuse(file_.path(), "copy the file again", "it is cut short: a page lies behind its end");
+    refuse(path_, "copy the file again", "it is cut short: a page lies behind its end");
   }
 
   std::uint64_t number(std::uint64_t offset, std::size_t bytes) const {
-    std::array<std::byte, 8> raw{};
-    if (offset > file_.size() || file_.read_some(offset, std::span(raw).first(bytes)) != bytes) fail();
+    if (offset > bytes_.size() || bytes_.size() - offset < bytes) fail();
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < bytes; ++i)
-      value = value << 8 | std::to_integer<std::uint64_t>(raw[big_endian_ ? i : bytes - 1 - i]);
+      value = value << 8 | std::uint8_t(bytes_[offset + (big_endian_ ? i : bytes - 1 - i)]);
     return value;
   }
 
@@ -121,7 +119,7 @@ class TiffChain {
     auto& page = found.pages.emplace_back();
     const bool first = found.pages.size() == 1;
     const auto entries = number(at, count_bytes());
-    if (entries > file_.size() / entry_bytes()) fail();
+    if (entries > bytes_.size() / entry_bytes()) fail();
     Field offsets, lengths, block_lengths, blocks;
     bool raw = true, compressed = false;
     for (std::uint64_t i = 0; i < entries; ++i) {
@@ -144,7 +142,7 @@ class TiffChain {
     const auto parts = std::min(offsets.count, lengths.count);
     for (std::uint64_t i = 0; i < parts; ++i) {
       const auto begin = value_of(offsets, i), length = value_of(lengths, i);
-      if (begin > file_.size() || length > file_.size() - begin) fail();
+      if (begin > bytes_.size() || length > bytes_.size() - begin) fail();
       if (i == 0) page.raw_begin = begin;
       raw = raw && begin == page.raw_begin + page.raw_bytes;
       page.raw_bytes += length;
@@ -166,16 +164,15 @@ class TiffChain {
                               : type == long8_numbers || type == ratios ? 8
                                                                         : 0;
     const auto count = number(entry + 4, offset_bytes()), value = entry + 4 + offset_bytes();
-    if (bytes == 0 || count > file_.size() / bytes) fail();
+    if (bytes == 0 || count > bytes_.size() / bytes) fail();
     return {count * bytes <= offset_bytes() ? value : number(value, offset_bytes()), count, bytes};
   }
 
   /// The field's text up to its first zero byte.
   std::string text_of(const Field& field) const {
-    std::string text(std::size_t(field.count), '\0');
-    if (field.begin > file_.size() || file_.size() - field.begin < field.count) fail();
-    file_.read(field.begin, std::as_writable_bytes(std::span(text)));
-    return text.substr(0, text.find('\0'));
+    const auto text = bytes_.substr(std::min<std::uint64_t>(field.begin, bytes_.size()), field.count);
+    if (text.size() < field.count) fail();
+    return std::string(text.substr(0, text.find('\0')));
   }
 
   /// ImageJ's blocks (ij/io/TiffEncoder.java): the first says how many there are of each kind behind it. A
@@ -211,7 +208,9 @@ class TiffChain {
     return below == 0 ? 0 : double(above) / double(below);
   }
 
-  const InputFile& file_;
+  std::filesystem::path path_;
+  std::shared_ptr<const char> mapped_;
+  std::string_view bytes_;
   bool is_tiff_ = false, big_endian_ = false, wide_ = false;
 };
 
