@@ -84,7 +84,8 @@ void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
   // Dealt in turn, so many for each Renderer give none much more work than others; neighbouring strips cost
   // nearly the same.
   const int enough_each = sheets ? 8 : 16;
-  if (!setup_.colocated && !g.in_parts && g.reached.width() * g.reached.height() >= enough_each * dealt_to)
+  if (!setup_.colocated && !g.in_parts && spec.division.pace.empty() &&
+      g.reached.width() * g.reached.height() >= enough_each * dealt_to)
     return;
   const WorkCosts costs = costs_in(g, sheets ? setup_.sheet_costs : setup_.splat_costs);
   const auto shown = shown_.of(*setup_.sketch, spec.shown.transfer_function, shown_blocks(g, costs));

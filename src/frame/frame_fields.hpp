@@ -60,8 +60,8 @@ void fields(Describes<Sheets> auto& sheets, auto&& visit) {
 }
 
 void fields(Describes<Division> auto& division, auto&& visit) {
-  auto& [region_size, dealt_to] = division;
-  visit("region", region_size), visit("dealt_to", dealt_to);
+  auto& [region_size, dealt_to, pace] = division;
+  visit("region", region_size), visit("dealt_to", dealt_to), visit("pace", pace);
 }
 
 void fields(Describes<FrameSpec> auto& spec, auto&& visit) {

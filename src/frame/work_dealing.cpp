@@ -79,7 +79,7 @@ std::vector<Costly> reached_work(const Regions& regions, const PixelRect& reache
 
 /// A Renderer with regions in the same slices gets one payload of each for all of them.
 void deal_out(Deal& deal, const std::vector<Costly>& costly, const WorkEstimate& work, double payload,
-              const std::vector<double>& busy) {
+              const std::vector<double>& busy, const std::vector<double>& pace) {
   using Load = std::pair<double, int>;
   std::priority_queue<Load, std::vector<Load>, std::greater<>> least;
   for (std::size_t k = 0; k < busy.size(); ++k) least.emplace(busy[k], int(k));
@@ -100,7 +100,8 @@ void deal_out(Deal& deal, const std::vector<Costly>& costly, const WorkEstimate&
     std::uint64_t& seen = layers[std::size_t(k)];
     if (seen == 0) used.push_back(k);
     const double begun = seen == 0 ? std::max(before, work.ready_seconds(one.work.layers)) : before,
-                 load = begun + one.work.seconds + seconds_of(one.work.layers & ~seen, payload);
+                 seconds = one.work.seconds + seconds_of(one.work.layers & ~seen, payload),
+                 load = begun + pace[std::size_t(k)] * seconds;
     seen |= one.work.layers;
     deal.longest = std::max(deal.longest, load);
     least.emplace(load, k);
@@ -111,7 +112,7 @@ void deal_out(Deal& deal, const std::vector<Costly>& costly, const WorkEstimate&
 /// Who gets which region, neighbouring ones to each: few blocks go to two Renderers then, and those that one
 /// has kept stay useful while a view turns.
 std::vector<int> side_by_side(const FrameGeometry& g, const WorkEstimate& work, double payload,
-                              const std::vector<double>& busy) {
+                              const std::vector<double>& busy, const std::vector<double>& pace) {
   const std::vector<Costly> reached = reached_work(g.regions, g.reached, work, payload);
   std::vector<RegionWork> regions;
   double all = 0;
@@ -124,13 +125,15 @@ std::vector<int> side_by_side(const FrameGeometry& g, const WorkEstimate& work, 
   std::vector<double> spent = busy;
   // How many payloads one gets follows from what it is dealt.
   for (int pass = 0; pass < 2; ++pass) {
-    const double even = (all + sum_of(spent)) / double(spent.size());
+    double done = all, rate = 0;  // by a time at which all are done
+    for (std::size_t k = 0; k < busy.size(); ++k) done += spent[k] / pace[k], rate += 1 / pace[k];
     std::vector<double> room;
-    for (const double one : spent) room.push_back(std::max(0.0, even - one));
+    for (std::size_t k = 0; k < busy.size(); ++k)
+      room.push_back(std::max(0.0, done / rate - spent[k]) / pace[k]);
     owner = bisect(g.regions, regions, room);
     std::vector<std::uint64_t> seen(busy.size(), 0);
     for (const Costly& one : reached) seen[std::size_t(owner[std::size_t(one.region)])] |= one.work.layers;
-    for (std::size_t k = 0; k < busy.size(); ++k) spent[k] = busy[k] + seconds_of(seen[k], payload);
+    for (std::size_t k = 0; k < busy.size(); ++k) spent[k] = busy[k] + pace[k] * seconds_of(seen[k], payload);
   }
   return owner;
 }
@@ -156,7 +159,8 @@ std::vector<Regions> ways_to_cut(const FrameGeometry& g, const FrameSpec& spec, 
 
 /// The costliest region first, each to the Renderer with the least so far; none where nothing is reached.
 std::optional<Deal> costliest_first(const FrameGeometry& g, const WorkEstimate& work, double payload,
-                                    const FrameSpec& spec, const std::vector<double>& busy) {
+                                    const FrameSpec& spec, const std::vector<double>& busy,
+                                    const std::vector<double>& pace) {
   constexpr double worth_smaller = 0.95;
   std::optional<Deal> best;
   for (const Regions& regions : ways_to_cut(g, spec, busy.size())) {
@@ -165,7 +169,7 @@ std::optional<Deal> costliest_first(const FrameGeometry& g, const WorkEstimate& 
     if (costly.empty()) return std::nullopt;
     std::ranges::stable_sort(costly, std::ranges::greater{}, &Costly::seconds);
     if (best && costly.front().seconds >= worth_smaller * best->longest) continue;
-    deal_out(deal, costly, work, payload, busy);
+    deal_out(deal, costly, work, payload, busy, pace);
     if (!best || deal.longest < worth_smaller * best->longest) best = std::move(deal);
   }
   return best;
@@ -199,10 +203,12 @@ void deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts& c
                   int renderers, const std::vector<double>& busy) {
   if (busy.size() < 2 || (!g.in_parts && !work.telling())) return;
   const double payload = costs.payload * work.slices_of_layer();
+  std::vector<double> pace(spec.division.pace.begin(), spec.division.pace.end());
+  if (pace.size() != busy.size()) pace.assign(busy.size(), 1);
   if (g.in_parts) {
-    g.dealt = side_by_side(g, work, payload, busy);
+    g.dealt = side_by_side(g, work, payload, busy, pace);
   } else {
-    const auto best = costliest_first(g, work, payload, spec, busy);
+    const auto best = costliest_first(g, work, payload, spec, busy, pace);
     if (!best) return;
     g.regions = best->regions;
     g.reached = best->reached;

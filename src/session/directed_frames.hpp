@@ -6,6 +6,7 @@
 #include "frame/frame_geometry.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "protocol/frame_source.hpp"
+#include "session/measured_pace.hpp"
 #include "session/render_frames.hpp"
 
 namespace ringsplat {
@@ -13,10 +14,10 @@ namespace ringsplat {
 /// Supplies the protocol with a director's frames.
 class DirectedFrames final : public FrameSource {
  public:
-  DirectedFrames(Director director, const Grid& grid, int renderers)
+  DirectedFrames(Director director, const Grid& grid, const Layout& layout)
       : director_(std::move(director)),
         grid_(grid),
-        renderers_(renderers),
+        pace_(layout),
         sum_([this](FrameResult&& sum, std::size_t) { director_.frame_done(std::move(sum)); }) {
     if (director_.next_picture) return;
     director_.next_picture = [next = director_.next_frame] {
@@ -31,7 +32,7 @@ class DirectedFrames final : public FrameSource {
     auto [volume, spec] = std::move(parts_.front());
     parts_.erase(parts_.begin());
     spec.frame = frame;
-    if (spec.division.dealt_to == 0) spec.division.dealt_to = renderers_;
+    pace_.tell(spec.division);
     Bytes body = encode(spec, volume);
     spec.frame = picture_;
     frames_[frame] = {std::move(spec), {}, parts_.empty()};
@@ -56,6 +57,7 @@ class DirectedFrames final : public FrameSource {
     Announced frame = std::move(frames_.extract(stats.frame).mapped());
     const auto picture = std::size_t(frame.spec.frame);
     if (stats.dropped) return sum_.forget(picture);
+    pace_.learn(frame.spec.division, stats);
     const Axis axis = traversed_axis(frame.spec, grid_);
     sum_.add({std::move(frame.spec), std::move(frame.image), std::move(stats), axis}, picture, frame.last);
   }
@@ -78,7 +80,7 @@ class DirectedFrames final : public FrameSource {
 
   Director director_;
   Grid grid_;
-  int renderers_;
+  MeasuredPace pace_;
   std::int64_t picture_ = 0;                  ///< whose parts are announced now
   std::vector<VolumeFrame> parts_;            ///< of it that are not yet announced
   std::map<std::int64_t, Announced> frames_;  ///< announced and not done

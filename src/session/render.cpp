@@ -208,7 +208,7 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
   check(protocol);
   check(options);
   flush_denormals();
-  DirectedFrames frames(std::move(director), scene.grid, layout.renderers);
+  DirectedFrames frames(std::move(director), scene.grid, layout);
   const auto engine_of = [&](int rank) {
     return make_engine(scene, rank, layout, options, [&frames](std::int64_t frame, Image&& picture) {
       frames.take_picture(frame, std::move(picture));

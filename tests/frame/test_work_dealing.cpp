@@ -38,13 +38,19 @@ Grid grid_of(const glm::ivec3& dims) {
   return grid;
 }
 
-/// The busiest Renderer's work against the mean, as geometry's owners share it.
-double unevenness(const FrameGeometry& g, const WorkEstimate& work, int renderers) {
+/// Each Renderer's work, as geometry's owners share it.
+std::vector<double> seconds_of_each(const FrameGeometry& g, const WorkEstimate& work, int renderers) {
   std::vector<double> seconds(std::size_t(renderers), 0.0);
   const RegionOwners owners = g.owners(renderers);
   for (int region = 0; region < g.regions.count(); ++region)
     if (const int owner = owners.of(region); owner != RegionOwners::nobody)
       seconds[std::size_t(owner)] += work.of(g.regions.rect(region)).seconds;
+  return seconds;
+}
+
+/// The busiest Renderer's work against the mean.
+double unevenness(const FrameGeometry& g, const WorkEstimate& work, int renderers) {
+  const std::vector<double> seconds = seconds_of_each(g, work, renderers);
   const double sum = std::accumulate(seconds.begin(), seconds.end(), 0.0);
   return *std::max_element(seconds.begin(), seconds.end()) * renderers / sum;
 }
@@ -190,11 +196,28 @@ TEST_CASE("a size of regions that is asked for is kept, and a Renderer whose ran
   const double all = work.of({0, 0, g.width, g.height}).seconds;
   deal_by_work(g, work, only_voxels, spec, 4, {all / 4, 0, 0, 0});
   CHECK(g.regions == Regions(512, 512, 32));
-  std::vector<double> seconds(4, 0.0);
-  for (int region = 0; region < g.regions.count(); ++region)
-    if (const int owner = g.dealt[std::size_t(region)]; owner >= 0)
-      seconds[std::size_t(owner)] += work.of(g.regions.rect(region)).seconds;
+  const std::vector<double> seconds = seconds_of_each(g, work, 4);
   CHECK(seconds[0] < 0.5 * seconds[1]);
+}
+
+TEST_CASE("a Renderer that was slower than foreseen gets less, in parts and otherwise") {
+  const Grid grid = grid_of({256, 256, 256});
+  const VolumeSketch sketch = sketch_of(grid.dims, {120, 130, 128}, 100);
+  ShownPoints points;
+  for (const int renderers : {3, 8}) {
+    FrameSpec spec = seen(Sheets{}, 30, 20);
+    spec.division.dealt_to = renderers;
+    spec.division.pace.assign(std::size_t(renderers), 1.0F);
+    spec.division.pace[1] = 2;
+    FrameGeometry g = make_geometry(spec, grid);
+    REQUIRE(g.in_parts == (renderers == 8));
+    const WorkCosts costs{0, 1e-9, 0, 0, 0};
+    const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
+    deal_by_work(g, work, costs, spec, renderers, std::vector<double>(std::size_t(renderers)));
+    const std::vector<double> seconds = seconds_of_each(g, work, renderers);
+    CHECK(2 * seconds[1] == Approx(seconds[0]).epsilon(0.3));
+    CHECK(2 * seconds[1] == Approx(seconds[2]).epsilon(0.3));
+  }
 }
 
 TEST_CASE("with hardly a visible voxel, regions are dealt in turn") {

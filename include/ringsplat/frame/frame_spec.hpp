@@ -129,6 +129,9 @@ struct Division {
   /// that shares the work more evenly; in the slices' plane strips.
   int region_size = 0;
   int dealt_to = 0;  ///< how many Renderers get regions; 0: rank 0 fills in their number
+  /// For each of these, how much longer than the others it took for what was foreseen to be the same; empty:
+  /// about as long. Rank 0 fills it in as frames are done.
+  std::vector<float> pace = {};
   bool operator==(const Division&) const = default;
 };
 
