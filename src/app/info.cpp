@@ -155,8 +155,10 @@ std::vector<ChannelNotes> channels_of(const VolumeOptions& volume, const VolumeN
     if (channels[k].name.empty()) channels[k].name = fmt::format("channel {}", k);
   }
   try {
-    for (const DrawnChannel& drawn : find_channels(volume, "all"))
-      channels[std::stoul(drawn.choice)] = {drawn.name, drawn.colour, drawn.window};
+    for (const DrawnChannel& drawn : find_channels(volume, "all")) {
+      ChannelNotes& channel = channels[std::stoul(drawn.choice)];
+      channel = {channel.name, drawn.colour, drawn.window};
+    }
   } catch (const InputError&) {  // more than one picture can have
   }
   return channels;

@@ -11,6 +11,7 @@
 #include <regex>
 #include <utility>
 
+#include "base/input_file.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "ringsplat/base/error.hpp"
@@ -96,7 +97,14 @@ std::vector<SeriesEntry> named_volumes(const VolumeOptions& first, const std::ve
   for (const std::string& path : more)
     entries.push_back({int(entries.size()), path, first.choice.frame, base_name(path)});
   std::map<std::string, int> called;
-  for (const SeriesEntry& entry : entries) ++called[entry.name];
+  for (const auto& [number, path, frame, name] : entries) {
+    if (is_pattern(path))
+      throw InputError(fmt::format("{} is no file, but a pattern for several", printable(path)),
+                       more.empty() ? "add --frames all, or name one file" : "name the files one by one");
+    // The first is opened anyway, if it is a file at all.
+    if (number > 0 && !fs::exists(path)) const detail::InputFile missing(path.substr(0, place_in(path)));
+    ++called[name];
+  }
   for (SeriesEntry& entry : entries)
     if (called[entry.name] > 1) entry.name = entry.path;
   return entries;
@@ -144,11 +152,8 @@ std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& 
 std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames,
                                      const std::vector<std::string>& more) {
   try {
-    const bool pattern = is_pattern(volume.path);
-    if (!frames && pattern)
-      throw InputError(fmt::format("{} is no file, but a pattern for several", printable(volume.path)),
-                       "add --frames all, or name one file");
     if (!frames) return named_volumes(volume, more);
+    const bool pattern = is_pattern(volume.path);
     std::vector<SeriesEntry> entries;
     if (!pattern) entries = volumes_in_file(volume, *frames);
     for (const auto& [number, file] : pattern ? files_of_pattern(volume.path) : Numbered())

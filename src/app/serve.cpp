@@ -199,11 +199,13 @@ void leave_the_end_to_rank_0() {
 /// loaded where this throws.
 Scene load_all(const std::vector<int>& volumes, int& failed, SeriesLoader& loader, const Job& job,
                Launch& launch) {
+  const std::size_t count = volumes.size();
+  failed = volumes.back();
+  launch.check_on_all_ranks([&] { check_memory(job, pictures_held + count - 1, launch, count); });
   failed = volumes.front();
   Scene scene = loader.load_channels(std::size_t(failed));
-  if (volumes.size() == 1) return scene;
+  if (count == 1) return scene;
   failed = volumes.back();
-  launch.check_on_all_ranks([&] { check_memory(job, pictures_held, launch, volumes.size()); });
   for (std::size_t k = 0; k < job.channels_drawn(); ++k)
     scene.others.push_back(loader.load(std::size_t(failed) * job.channels_drawn() + k));
   return scene;
