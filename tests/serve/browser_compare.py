@@ -93,6 +93,10 @@ class Compare(WithPage):
         self.page.settle()
         self.assertNotEqual(self.picture("picture"), one)
         self.assertEqual(self.page.facts("state.difference"), 16)
+        # A plain picture, until the other one is there, is no difference.
+        self.page.js("const { shown } = app.stage; app.stage.shown = { ...shown, bitmaps: [shown.bitmaps[0]], compare: null,"
+                     "difference: undefined }; app.stage.drawNow()")
+        self.assertEqual(self.names()[0], "before.nrrd")
         self.page.press("a")
         self.assertIsNone(self.page.facts("state.compare"))
 
@@ -114,6 +118,26 @@ class Compare(WithPage):
         self.assertEqual([self.page.facts(f"state.{key}") for key in ("frame", "compare")], [1, 0])
         self.assertEqual(self.names(), ["after.nrrd", "before.nrrd"])
 
+    def step_back(self, *more):
+        chain = ActionChains(self.page.driver)
+        for key in (Keys.CONTROL, *more):
+            chain.key_down(key)
+        chain.send_keys("z")
+        for key in (Keys.CONTROL, *more):
+            chain.key_up(key)
+        chain.perform()
+        self.page.settle()
+        return [self.page.facts(f"state.{key}") for key in ("frame", "compare")]
+
+    def test_undo_never_compares_a_volume_with_itself(self):
+        self.page.press("a")
+        self.page.press("]")
+        self.assertEqual(self.step_back(), [1, None])
+        self.assertEqual(self.page.find("offer-compare").text, "Compare with before.nrrd")
+        self.page.press("[")
+        self.assertEqual(self.page.find("offer-compare").text, "Compare with after.nrrd")
+        self.assertEqual(self.step_back(Keys.SHIFT), [0, 1])
+
     def test_the_address_keeps_it_and_files_are_of_both(self):
         self.beside()
         self.page.wait("location.hash.includes('compare')")
@@ -130,6 +154,12 @@ class Compare(WithPage):
             for name in archive.namelist():
                 self.assertEqual(archive.read(name)[:4], b"\x89PNG")
 
+    def test_files_of_volumes_of_one_name_are_numbered(self):
+        self.beside()
+        self.assertEqual(self.page.js("app.hello.frames = ['ct.nrrd', 'ct.mha'];"
+                                      "return app.compare.files(async () => new Blob(['x']), 'exr')"
+                                      ".then((files) => files.map(({ name }) => name))"), ["ct.exr", "ct-2.exr"])
+
     def test_a_value_is_of_the_picture_that_was_clicked(self):
         self.beside()
         told = []
@@ -138,7 +168,11 @@ class Compare(WithPage):
             ActionChains(self.page.driver).double_click(self.page.find(which)).perform()
             self.page.wait("ringsplat.probe")
             told.append(self.page.find("probe").text.splitlines()[0])
-        self.assertEqual(told, ["before.nrrd", "after.nrrd"])
+        self.page.js("app.probing.hide(); document.getElementById('second').focus()")
+        self.page.keys(Keys.ENTER)
+        self.page.wait("ringsplat.probe")
+        told.append(self.page.find("probe").text.splitlines()[0])
+        self.assertEqual(told, ["before.nrrd", "after.nrrd", "after.nrrd"])
 
     def test_on_a_phone_one_is_above_the_other(self):
         self.page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",

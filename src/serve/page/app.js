@@ -59,8 +59,7 @@ class App {
     this.snapshots = new SnapshotPanel(this);
     this.probing = new Probe(this);
     this.slices = new Slices(this);
-    this.gestures = new Gestures(this, byId('picture'));
-    new Gestures(this, byId('second'));
+    this.gestures = ['picture', 'second'].map((id) => new Gestures(this, byId(id)));
     attachKeyboard(this);
     attachSettings();
     onSettings(() => byId('stage').classList.toggle('with-slices', settings.slices));
@@ -236,11 +235,19 @@ class App {
     if (this.mayEdit()) this.history.commit(this.scene.state);
     this.showUndo();
   }
+  /** Changes what nobody asked for, which is no step. */
+  adjust(part) {
+    this.commit();
+    this.scene.change(part);
+    this.history.replace(this.scene.state);
+  }
   undo(again) {
     if (!this.mayEdit()) return;
     this.commit();
     this.film.stop();
-    const state = this.history.step(again);
+    const state = this.history.step(again), { frame } = this.series;
+    // Which volume is shown is no step: the one that is compared may be shown by now.
+    if (state?.compare === frame) state.compare = this.series.count === 2 ? 1 - frame : null;
     if (state) this.scene.change(state);
     this.showUndo();
   }
@@ -323,8 +330,7 @@ class App {
     const untouched = this.scene.state?.camera.zoom === camera.zoom;
     camera.zoom = Number(fillingZoom(camera, this.volume, width, height).toPrecision(4));
     if (!untouched || !this.mayEdit()) return;
-    this.scene.change({ camera: { zoom: camera.zoom } });
-    this.history.replace(this.scene.state);
+    this.adjust({ camera: { zoom: camera.zoom } });
   }
 
   resized() {
@@ -350,11 +356,11 @@ class App {
     if (keys.has('clip')) this.clipPanel.refresh();
     if (keys.has('clip_planes')) this.clipPlanes.refresh();
     if (keys.has('frame')) this.series.refresh();
-    if (keys.has('compare') || keys.has('difference')) this.compare.refresh();
+    if (['frame', 'compare', 'difference'].some((key) => keys.has(key))) this.compare.refresh();
     this.slices.refresh();
-    const { state } = this.scene, { cross, places } = this.probing;
-    this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross, places,
-                                slices: this.slices.boxes(), legend: [...this.channels.legend(), ...this.labels.legend()] });
+    const { state } = this.scene, { cross, second, places } = this.probing;
+    this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross: second ? null : cross, places,
+                                slices: this.slices.boxes(), legend: () => [...this.channels.legend(), ...this.labels.legend()] });
     byId('cube').hidden = !settings.cube;
     if (settings.cube) this.viewPanel.turnCube(state.camera);
     this.clipPanel.place();

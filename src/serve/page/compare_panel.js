@@ -34,10 +34,8 @@ export class ComparePanel {
   }
 
   begin() {
-    const { frames } = this.app.hello;
     byId('compare').replaceChildren(element('option', { value: '' }, 'nothing'),
-                                    ...frames.map((name, value) => element('option', { value }, name)));
-    byId('offer-compare').textContent = `Compare with ${frames.at(-1)}`;
+                                    ...this.app.hello.frames.map((name, value) => element('option', { value }, name)));
   }
 
   get choice() {
@@ -62,28 +60,31 @@ export class ComparePanel {
       const { canvas } = differenceOf(await Promise.all(bitmaps), gain);
       pictures.push([`difference-x${gain}`, await canvas.convertToBlob()]);
     }
-    return Promise.all(pictures.map(async ([name, blob]) => (
-      { name: `${fileStem(name)}.${format}`, bytes: new Uint8Array(await blob.arrayBuffer()) })));
+    const stems = pictures.map(([name]) => fileStem(name));
+    return Promise.all(pictures.map(async ([, blob], k) => (
+      { name: `${stems[k]}${stems.indexOf(stems[k]) === k ? '' : `-${k + 1}`}.${format}`, bytes: new Uint8Array(await blob.arrayBuffer()) })));
   }
 
   refresh() {
-    const { compare, gain, beside } = this.choice;
+    const { frame, compare, gain, beside } = this.choice, { frames } = this.app.hello;
     byId('compare').value = compare ?? '';
     byId('compare-as').hidden = compare === null;
     byId(gain ? 'difference' : 'side-by-side').checked = true;
     if (gain) byId('gain').value = gain;
     byId('gain').disabled = !gain;
     byId('stage').classList.toggle('compared', beside);
-    byId('offer-compare').hidden = compare !== null || this.app.hello.frames.length !== 2 || !this.app.driving;
+    byId('offer-compare').textContent = `Compare with ${frames[1 - frame]}`;
+    byId('offer-compare').hidden = compare !== null || frames.length !== 2 || !this.app.driving;
   }
 
-  /** Names what the stage shows: of the picture that is there its own volumes. */
+  /** Names what the stage shows: of the picture that is there its own volumes, and the difference where it is drawn. */
   name(shown, difference) {
     const { choice, app: { hello: { frames } } } = this;
     const [first, second] = [shown?.frame ?? choice.frame, shown?.compare ?? choice.compare].map((k) => frames[k]);
     const found = shown?.exact ? `largest ${difference?.largest} of 255` : 'while it changes';
     byId('first-name').hidden = choice.compare === null;
-    byId('first-name').textContent = choice.gain ? `|${first} − ${second}| × ${choice.gain}, ${found}` : first;
-    byId('second-name').textContent = second;
+    const caption = difference ? `|${first} − ${second}| × ${difference.gain}, ${found}` : first;
+    for (const [id, text] of [['first-name', caption], ['second-name', second ?? '']])
+      if (byId(id).textContent !== text) byId(id).textContent = text;
   }
 }

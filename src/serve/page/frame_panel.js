@@ -42,7 +42,8 @@ export class FramePanel {
     if (this.count < 2) return;
     const to = clamp(Math.round(frame), 0, this.count - 1), { compare } = this.app.scene.state;
     // Of two volumes that are compared each takes the other's place.
-    this.app.scene.change(this.count === 2 && compare === to ? { frame: to, compare: 1 - to } : { frame: to });
+    if (this.count === 2 && compare === to) this.app.adjust({ frame: to, compare: 1 - to });
+    else this.app.scene.change({ frame: to });
   }
 
   step(by) {
@@ -95,7 +96,7 @@ export class FramePanel {
     if (status !== 'failed') return;
     this.stop();
     if (this.app.driving && frame === this.frame) this.go(this.seen);
-    if (this.app.driving && frame === this.app.compare.choice.compare) this.app.scene.change({ compare: null });
+    if (this.app.driving && frame === this.app.compare.choice.compare) this.app.adjust({ compare: null });
   }
 
   refresh() {

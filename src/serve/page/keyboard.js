@@ -59,8 +59,10 @@ function actions(app) {
     ['k', 'add a key frame', () => app.film.add()],
     [' ', 'play the film', () => app.film.play()],
     ['v', 'save a picture', () => app.snapshots.save()],
-    ['Enter', 'value at the cross or the cursor',
-     () => app.probe(app.probing.cross ?? app.gestures.cursor ?? app.probing.middle())],
+    ['Enter', 'value at the cross or the cursor', () => {
+      const second = document.activeElement.id === 'second', { cursor } = app.gestures[Number(second)];
+      app.probe(app.probing.cross ?? cursor ?? app.probing.middle(), second);
+    }],
     ['Escape', 'hide value and ruler, stop film and series', () => app.quiet()],
     ['\\', 'hide or show the controls',
      () => set({ folded: !document.body.classList.contains('folded') })],

@@ -47,9 +47,9 @@ export class LabelsPanel {
     return this.rows.map(({ value }) => ({ value, colour: colourAt(tf, value), opacity: opacityAt(tf, value) }));
   }
 
-  /** The names and colours of those that are seen. */
+  /** The names and colours of those that are seen; asked for at each redraw, so kept until refresh(). */
   legend() {
-    return this.labels().map((label, k) => ({ ...label, name: this.rows[k].name })).filter(({ opacity }) => opacity > 0);
+    return (this.kept ??= this.labels().map((label, k) => ({ ...label, name: this.rows[k].name })).filter(({ opacity }) => opacity > 0));
   }
 
   /** `change(label)` gives the members of a label that become others. */
@@ -60,6 +60,7 @@ export class LabelsPanel {
   }
 
   refresh() {
+    this.kept = null;
     this.labels().forEach(({ opacity, colour }, k) => {
       this.rows[k].seen.checked = opacity > 0;
       this.rows[k].colour.value = toHex(colour);

@@ -86,6 +86,7 @@ export class Probe {
   move([right, down]) {
     const [x, y] = this.cross ?? this.middle(), { clientWidth, clientHeight } = this.canvas;
     byId('probe').hidden = true;
+    this.second = false;  // only the first picture has lines over it
     this.cross = [clamp(x + right, 0, clientWidth - 1), clamp(y + down, 0, clientHeight - 1)];
     this.app.redraw();
   }

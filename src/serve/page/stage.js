@@ -113,9 +113,10 @@ export class Stage {
     const { beside, gain } = compare.choice;
     if (gain && shown?.bitmaps.length > 1 && shown.difference?.gain !== gain)
       shown.difference = differenceOf(shown.bitmaps, gain);
-    this.put(this.contexts[0], gain ? shown?.difference?.canvas ?? shown?.bitmaps[0] : shown?.bitmaps[0]);
+    const difference = gain ? shown?.difference : undefined;
+    this.put(this.contexts[0], difference?.canvas ?? shown?.bitmaps[0]);
     if (beside) this.put(this.contexts[1], shown?.bitmaps[1]);
-    compare.name(shown, shown?.difference);
+    compare.name(shown, difference);
   }
 
   put(context, bitmap) {
