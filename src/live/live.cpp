@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 #include "base/clock.hpp"
 #include "base/srgb.hpp"
 #include "classify/auto_preset.hpp"
 #include "frame/quality.hpp"
+#include "live/post.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
@@ -22,10 +24,11 @@ namespace {
 using serve::RunState;
 using serve::SteerMessage;
 
-/// What all ranks do next in show().
-enum class Act : std::uint8_t { go_on, draw, count_and_draw, answer, hold };
+/// What all ranks do next in show(); where some are set aside, these in visualise(), or the others.
+enum class Act : std::uint8_t { go_on, draw, count_and_draw, answer, hold, hand_over, take, end };
 
-constexpr double soon = 0.2;  ///< seconds, as often as people read
+constexpr double soon = 0.2;                  ///< seconds, as often as people read
+constexpr std::chrono::milliseconds turn{2};  ///< until ranks without work look for some again
 
 FrameSpec first_frame(const LiveOptions& options, const ValueStatistics& values) {
   FrameSpec frame;
@@ -55,11 +58,13 @@ struct Live::State {
       range = values.range;
       frame = first_frame(options, values);
       check_frame(frame, SessionParts::grid(session));
-      if (session.rank() == 0) start(options, values);
+      if (SessionParts::directs(session)) start(options, values);
     });
+    if (root > 0) post.emplace(session);
   }
   ~State() {
     if (viewer) viewer->end("The simulation has ended.");
+    if (post && session.rank() == 0) post->send(root, Kind::shutdown, Message::body_buffer());
   }
 
   Collectives& all() { return SessionParts::collectives(session); }
@@ -67,8 +72,8 @@ struct Live::State {
   void start(const LiveOptions& options, const ValueStatistics& values) {
     const Grid& grid = SessionParts::grid(session);
     serve::ViewerOptions v;
-    v.layout = "the simulation's ranks";
-    v.ranks = session.ranks();
+    v.layout = root > 0 ? "ranks beside the simulation's" : "the simulation's ranks";
+    v.ranks = session.ranks() - root;
     v.volume = {options.name, grid, false, options.unit, false, {values.range}, values.histogram};
     v.frame = frame;
     v.initial.shown = frame.shown;
@@ -96,7 +101,7 @@ struct Live::State {
     set_by_page.push_back(false);
   }
 
-  // On rank 0.
+  // On rank 0; where ranks are set aside on their root, which has the viewer.
 
   /// Tells pages how far it is; by any thread.
   void tell() {
@@ -107,9 +112,14 @@ struct Live::State {
   /// What the driver wants of the simulation. Throws InputError, for the page.
   void steer(const SteerMessage& wants) {
     const std::lock_guard lock(telling);
-    if (wants.act == SteerMessage::Act::set) return set(wants.parameter, wants.value);
-    run.paused = wants.act != SteerMessage::Act::resume;
-    steps_wanted = wants.act == SteerMessage::Act::step ? steps_wanted + 1 : 0;
+    if (wants.act == SteerMessage::Act::set) {
+      set(wants.parameter, wants.value);
+    } else {
+      run.paused = wants.act != SteerMessage::Act::resume;
+      steps_wanted = wants.act == SteerMessage::Act::step ? steps_wanted + 1 : 0;
+      held = held && wants.act == SteerMessage::Act::pause;
+    }
+    if (session.visualises()) orders.push_back(wants);
   }
   /// The mutex is held.
   void set(const std::string& name, double value) {
@@ -125,7 +135,7 @@ struct Live::State {
   /// It must not go on.
   bool holds() {
     const std::lock_guard lock(telling);
-    return run.paused && steps_wanted == 0;
+    return run.paused && (session.visualises() ? held : steps_wanted == 0);
   }
 
   void begin(std::int64_t step, double time) {
@@ -149,7 +159,7 @@ struct Live::State {
     if (holds()) return Act::hold;
     if (debt > 0) return Act::go_on;
     if (viewer->has_requests()) return Act::answer;
-    viewer->renewed(range, true);
+    if (!post) viewer->renewed(range, true);
     director = viewer->director();
     wanted = director.next_picture();
     if (wanted.empty()) return Act::go_on;
@@ -158,37 +168,42 @@ struct Live::State {
 
   /// The next act and all parameters as pages want them; nothing while nobody looks.
   Block decision() {
-    const bool looked_at = viewer->has_pages();
-    const Act act = looked_at ? decide() : Act::go_on;
+    const bool looked_at = viewer && viewer->has_pages();
+    Act act = !post ? Act::go_on : viewer ? news(looked_at) : next_of_simulation();
+    if (act == Act::go_on && looked_at) {
+      act = decide();
+      drawn |= act != Act::go_on;
+    }
     const std::lock_guard lock(telling);
-    if (!looked_at) {
+    if (!post && !looked_at) {
       run.paused = false;  // whoever paused it is gone
       return {};
     }
     std::vector<double> values;
-    for (const RunState::Parameter& parameter : run.parameters) values.push_back(parameter.value);
+    for (std::size_t k = 0; k < offered.size(); ++k)
+      values.push_back(set_by_page[k] ? run.parameters[k].value : *offered[k]);
     set_by_page.assign(values.size(), false);
     return to_bytes(act, values);
   }
 
   /// Draws what pages want while they hold the simulation, or until all is answered.
   Director held_frames(Act act) {
-    Director held = viewer->director();
+    Director frames = viewer->director();
     const auto holds = [this, act] {
       return viewer->has_pages() && (act == Act::hold ? this->holds() : viewer->has_requests());
     };
-    held.may_come = [holds, may_come = held.may_come] { return holds() && may_come(); };
-    held.next_picture = [holds, next = held.next_picture] {
+    frames.may_come = [holds, may_come = frames.may_come] { return holds() && may_come(); };
+    frames.next_picture = [holds, next = frames.next_picture] {
       return holds() ? next() : std::vector<VolumeFrame>();
     };
-    return held;
+    return frames;
   }
 
   // On all ranks.
 
   /// Rank 0's decision; takes its values of the parameters.
   Act agree_on_next() {
-    const Block told_by_0 = all().broadcast(viewer ? decision() : Block{}, 0);
+    const Block told_by_0 = all().broadcast(all().process() == 0 ? decision() : Block{}, 0);
     if (told_by_0.empty()) return Act::go_on;
     Act act = Act::go_on;
     std::vector<double> values;
@@ -211,6 +226,20 @@ struct Live::State {
     run.histogram = values.histogram;
   }
 
+  void draw() {
+    std::vector<FrameSpec> frames;  // where they were decided on
+    for (VolumeFrame& one : wanted) frames.push_back(std::move(one.spec));
+    SessionParts::render(session, frames, director.frame_done);
+  }
+
+  void carry_out(Act act) {
+    if (act != Act::draw) count();
+    if (act == Act::hold || act == Act::answer)
+      hold(act);
+    else
+      draw();
+  }
+
   void hold(Act act) {
     const bool goes_on = act == Act::answer;
     if (viewer) viewer->renewed(range, goes_on);
@@ -218,17 +247,105 @@ struct Live::State {
     if (goes_on) needed.factors = {1};
     SessionParts::direct(session, needed, viewer ? held_frames(act) : Director{});
     if (goes_on) return;
+    if (viewer) viewer->renewed(range, true);
     steps = 0;
     told = now_seconds();
   }
 
+  void check_role(bool draws) const {
+    if (session.visualises() != draws)
+      throw InputError(fmt::format("rank {} is {}set aside to draw", session.rank(), draws ? "not " : ""),
+                       "ranks that are set aside call visualise(), the others show() after each step");
+  }
+
+  // Where ranks are set aside. Rank 0 of the others hears what pages want, and that blocks are wanted.
+
+  Act next_of_simulation() {
+    while (const auto message = post->receive()) {
+      ++orders_passed;
+      asked |= message->header.kind == Kind::credit;
+      if (message->header.kind == Kind::credit) continue;
+      SteerMessage wants;
+      FromBytes body(message->body());
+      body(wants.act, wants.parameter, wants.value);
+      steer(wants);
+    }
+    return asked ? Act::hand_over : holds() ? Act::hold : Act::go_on;
+  }
+
+  void hand_over(std::int64_t step, double time) {
+    auto packed = SessionParts::pack(session, sizeof(Header));
+    ++handed_over;
+    if (session.rank() == 0) {
+      std::vector<double> values;
+      for (const double* value : offered) values.push_back(*value);
+      post->send(root, Kind::report, Message::body_buffer(), step, time, std::exchange(steps, 0), holds(),
+                 orders_passed, values);
+      asked = false;
+    }
+    for (std::size_t k = 0; k < packed.size(); ++k)
+      post->send(root + int(k), Kind::payload, std::move(packed[k]));
+  }
+
+  /// On the root: takes what has come, passes on what pages want, and asks for blocks when those that are
+  /// here have been drawn.
+  Act news(bool looked_at) {
+    if ((came = post->receive())) return came->header.kind == Kind::shutdown ? Act::end : Act::take;
+    if (ended) return Act::end;
+    const std::lock_guard lock(telling);
+    if (!looked_at && std::exchange(run.paused, false)) orders.push_back({SteerMessage::Act::resume});
+    for (const SteerMessage& wants : orders)
+      post->send(0, Kind::accept, Message::body_buffer(), wants.act, wants.parameter, wants.value);
+    orders_passed += std::ssize(std::exchange(orders, {}));
+    drawn |= !looked_at;  // for who comes they are too old
+    if (!looked_at || asked || (run.paused ? held : !drawn)) return Act::go_on;
+    post->send(0, Kind::credit, Message::body_buffer());
+    ++orders_passed;
+    asked = true;
+    return Act::go_on;
+  }
+
+  /// The blocks of all ranks that are not set aside; the root may have something of it.
+  void take() {
+    if (viewer) viewer->renewed(range, true);
+    asked = drawn = false;
+    for (int missing = root; missing > 0;) {
+      const Message message = came ? *std::exchange(came, {}) : *post->receive(true);
+      ended |= message.header.kind == Kind::shutdown;
+      if (message.header.kind == Kind::report) take_report(message.body());
+      if (message.header.kind != Kind::payload) continue;
+      SessionParts::place(session, message.body());
+      --missing;
+    }
+  }
+
+  void take_report(std::span<const std::byte> body) {
+    std::int64_t step = 0, passed = 0;
+    double time = 0;
+    int more_steps = 0;
+    bool holds = false;
+    std::vector<double> values;
+    FromBytes report(body);
+    report(step, time, more_steps, holds, passed, values);
+    {
+      const std::lock_guard lock(telling);
+      const bool knows_all = passed == orders_passed && orders.empty();
+      held = holds && knows_all;
+      for (std::size_t k = 0; knows_all && k < std::min(values.size(), offered.size()); ++k)
+        *offered[k] = values[k];
+    }
+    steps += more_steps - 1;
+    begin(step, time);
+  }
+
   Session& session;
+  const int root = SessionParts::root(session);
   FrameSpec frame;  ///< what all have in common, but for what is shown
   std::string url;
   std::vector<double*> offered;
   ValueRange range;  ///< of the volume that was counted last
 
-  // Rank 0's.
+  // Rank 0's, or the root's.
   const double share;               ///< of the simulation's own time that pictures may take
   double debt = 0;                  ///< seconds that they have taken beyond that
   double left = now_seconds();      ///< when show() last returned
@@ -240,6 +357,18 @@ struct Live::State {
   std::vector<VolumeFrame> wanted;  ///< its frames
   int steps = 0;                    ///< since the rate was told
   double told = now_seconds(), counted = 0;
+
+  // Where ranks are set aside.
+  std::optional<Post> post;
+  std::vector<SteerMessage> orders;  ///< of pages, not yet passed on
+  std::int64_t orders_passed = 0;    ///< to rank 0, or received there
+  bool asked = false;                ///< for blocks
+  bool drawn = true;                 ///< something was, of the blocks that are here
+  bool held = false;                 ///< the simulation is, after the step whose blocks are here
+  bool ended = false;
+  std::optional<Message> came;  ///< not yet taken
+  std::int64_t handed_over = 0;
+
   std::unique_ptr<serve::Viewer> viewer;  ///< last, as its thread uses what is above
 };
 
@@ -260,21 +389,21 @@ void Live::offer(const std::string& name, double& value, const std::vector<std::
 
 void Live::show(std::int64_t step, double time) {
   State& s = *state_;
+  s.check_role(false);
   if (s.viewer) s.begin(step, time);
+  if (s.post) ++s.steps;
   bool committed = false;
   while (true) {
     const Act act = s.agree_on_next();
     if (act == Act::go_on) break;
+    if (s.post) {
+      if (act == Act::hand_over) s.hand_over(step, time);
+      if (act == Act::hold) std::this_thread::sleep_for(turn);
+      continue;
+    }
     const double begin = now_seconds();
     if (!std::exchange(committed, true)) s.session.commit();
-    if (act != Act::draw) s.count();
-    if (act == Act::hold || act == Act::answer) {
-      s.hold(act);
-    } else {
-      std::vector<FrameSpec> frames;  // on rank 0, which has decided on them
-      for (VolumeFrame& one : s.wanted) frames.push_back(std::move(one.spec));
-      SessionParts::render(s.session, frames, s.director.frame_done);
-    }
+    s.carry_out(act);
     if (act == Act::hold) continue;
     s.debt += now_seconds() - begin;
     break;
@@ -283,5 +412,20 @@ void Live::show(std::int64_t step, double time) {
   s.steps_wanted = std::max(s.steps_wanted - 1, 0);
   s.left = now_seconds();
 }
+
+void Live::visualise() {
+  State& s = *state_;
+  s.check_role(true);
+  if (s.viewer) s.viewer->renewed(s.range, true);
+  for (Act act = s.agree_on_next(); act != Act::end; act = s.agree_on_next())
+    if (act == Act::go_on)
+      std::this_thread::sleep_for(turn);
+    else if (act == Act::take)
+      s.take();
+    else
+      s.carry_out(act);
+}
+
+std::int64_t Live::handed_over() const { return state_->handed_over; }
 
 }  // namespace ringsplat

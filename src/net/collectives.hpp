@@ -12,6 +12,8 @@ namespace ringsplat {
 
 using Block = Bytes;
 
+class Processes;
+
 /// What comes of waiting for a process that does not come to a collective call.
 struct Patience {
   double seconds = std::numeric_limits<double>::infinity();  ///< until it is named
@@ -34,6 +36,8 @@ class Collectives {
   /// On process 0: waits up to `seconds` and returns the processes that have not made the call by then,
   /// ascending. Elsewhere: returns nothing, at once.
   virtual std::vector<int> absent(double seconds) = 0;
+  /// Connects those that give the same number, in their order. Collective.
+  virtual Processes part(int number);
 
   Patience patience;
 

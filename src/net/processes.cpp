@@ -2,6 +2,7 @@
 
 #include "net/collectives.hpp"
 #include "net/transport.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 
@@ -11,6 +12,8 @@ Processes::Processes(std::unique_ptr<Collectives> collectives, std::unique_ptr<T
 Processes::Processes(Processes&&) noexcept = default;
 Processes& Processes::operator=(Processes&&) noexcept = default;
 Processes::~Processes() = default;
+
+Processes Collectives::part(int) { throw RunError("these processes cannot be divided"); }
 
 int Processes::rank() const { return collectives_->process(); }
 int Processes::ranks() const { return collectives_->processes(); }

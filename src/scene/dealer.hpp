@@ -2,6 +2,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "net/collectives.hpp"
@@ -70,6 +71,13 @@ void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collect
 /// `round_bytes`, or one row of voxels, at a time. Collective.
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
                  std::size_t round_bytes, const Sharing& sharing);
+
+/// The same to a process whose call takes no part: all that this process has for it, for place_blocks()
+/// there, behind `before` bytes that are left to the caller. Not collective.
+Block packed_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, int process,
+                    const Sharing& sharing, std::size_t before);
+void place_blocks(const Grid& grid, std::span<const std::byte> packed, std::map<int, SliceStore>& stores,
+                  const Sharing& sharing);
 
 /// A block in its volume, with the process that has it.
 struct PlacedBlock {

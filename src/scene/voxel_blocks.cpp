@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
@@ -163,11 +164,11 @@ struct BlockDealer {
     return most;
   }
 
-  Block packed(const Parcel& parcel) const {
-    std::size_t bytes = 0;
+  Block packed(const Parcel& parcel, std::size_t before = 0) const {
+    std::size_t bytes = before;
     for (const Rows& rows : parcel) bytes += bytes_of(rows);
     Block out(bytes);
-    std::byte* to = out.data();
+    std::byte* to = out.data() + before;
     for (const Rows& rows : parcel) to = pack(rows, to);
     return out;
   }
@@ -252,6 +253,19 @@ void check_cover(const VoxelBox& box, const Blocks& blocks) {
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
                  std::size_t round_bytes, const Sharing& sharing) {
   BlockDealer{grid, mine, stores, round_bytes, sharing}.run();
+}
+
+Block packed_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, int process,
+                    const Sharing& sharing, std::size_t before) {
+  std::map<int, SliceStore> none;
+  const BlockDealer dealer{grid, mine, none, std::numeric_limits<std::size_t>::max(), sharing};
+  const auto all = dealer.parcels_for(process);
+  return dealer.packed(all.empty() ? Parcel() : all.front(), before);
+}
+
+void place_blocks(const Grid& grid, std::span<const std::byte> packed, std::map<int, SliceStore>& stores,
+                  const Sharing& sharing) {
+  BlockDealer{grid, {}, stores, 0, sharing}.place(packed);
 }
 
 }  // namespace ringsplat

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -175,10 +176,25 @@ struct SessionParts {
   /// Renders frames of the committed volume as rank 0's director gives them; they need no more than `needed`,
   /// the same on all ranks. Collective.
   static void direct(Session& session, const LoadOptions& needed, Director director);
+  /// The rank that has the frames to draw and is given the pictures.
+  static int root(const Session& session);
+  static bool directs(const Session& session) { return session.rank() == root(session); }
   /// For what all ranks agree on between the session's calls.
   static Collectives& collectives(Session& session);
   /// Of the committed volume. Throws InputError when there is none.
   static const Grid& grid(const Session& session);
+
+  // Where ranks are set aside to draw.
+
+  /// While it is divided those that draw make calls without the others, and the others none. All ranks call
+  /// it. Returns how often it has been.
+  static std::int64_t divide(Session& session, bool divided);
+  /// Between all ranks; they use it for pictures only where none are set aside.
+  static Transport& transport(Session& session);
+  /// The blocks as they are now for each rank that draws, to place() there, behind `before` bytes for others'
+  /// use. Collective among the other ranks; throws InputError on all of these.
+  static std::vector<Block> pack(Session& session, std::size_t before);
+  static void place(Session& session, std::span<const std::byte> packed);
 };
 
 }  // namespace ringsplat

@@ -71,29 +71,53 @@ LoadOptions needed_together(const std::vector<FrameSpec>& frames, const Grid& gr
   return all;
 }
 
+/// This rank's part of the processes, of which the last are set aside; nothing where none are. Collective.
+std::optional<Processes> part_of(Processes& all, int set_aside) {
+  require_same(all.collectives(), {{"visualisation ranks", std::to_string(set_aside)}},
+               "was given other roles", "pass the same SessionOptions on all ranks");
+  if (set_aside == 0) return std::nullopt;
+  if (set_aside < 0 || set_aside >= all.ranks())
+    throw InputError(
+        fmt::format("{} of {} ranks cannot be set aside for visualisation", set_aside, all.ranks()),
+        "one at least is left for the simulation: set fewer aside, or start the program on more");
+  return all.collectives().part(all.rank() < all.ranks() - set_aside ? 0 : 1);
+}
+
 }  // namespace
 
 struct Session::State {
   State(Processes given, const std::optional<Layout>& wanted, const SessionOptions& options)
       : processes(std::move(given)),
-        layout(wanted.value_or(Layout{
-            .gps = processes.ranks(), .renderers = processes.ranks(), .placement = Placement::colocated})),
-        wiring{processes.collectives(), processes.transport()} {
+        part(part_of(processes, options.visualisation_ranks)),
+        root(part ? processes.ranks() - options.visualisation_ranks : 0),
+        layout(wanted.value_or(Layout{.gps = processes.ranks() - root,
+                                      .renderers = processes.ranks() - root,
+                                      .placement = Placement::colocated})),
+        wiring{processes.collectives(), processes.transport()},
+        drawing{(part ? *part : processes).collectives(), (part ? *part : processes).transport()} {
     engine.threads_per_rank = options.threads_per_rank;
     protocol = running_ahead(layout.topology);
     protocol.stall_timeout = options.stall_timeout;
-    wiring.collectives.patience = {options.stall_timeout, false};
+    for (const Wiring* each : {&wiring, &drawing})
+      each->collectives.patience = {options.stall_timeout, false};
     // Several processes would wait for one that ends a call by itself.
-    if (wiring.transport == nullptr) wiring.loopback.poll = options.poll;
+    if (wiring.transport == nullptr) drawing.loopback.poll = options.poll;
   }
+
+  bool draws() const { return processes.rank() >= root; }
+  /// Of those that make the same calls.
+  Collectives& in_step() const { return (divided ? drawing : wiring).collectives; }
 
   /// Begins a collective call: all must be in the same one, and all throw when one has an error, now or from
   /// a call before that was its own.
   void enter(const std::string& call, const std::string& error) {
+    if (divided && !draws())
+      throw InputError(fmt::format("{}() needs the ranks that are set aside, which draw", call),
+                       "hand blocks over by show(), or end Live first");
     const std::string before = std::exchange(problem, {});
     const auto all = [&] {
-      const auto watched = wiring.collectives.watched(fmt::format("late for {}()", call), false);
-      return wiring.collectives.all_gather(to_bytes(call, before.empty() ? error : before));
+      const auto watched = in_step().watched(fmt::format("late for {}()", call), false);
+      return in_step().all_gather(to_bytes(call, before.empty() ? error : before));
     }();
     std::vector<std::string> calls, errors;
     for (const Block& block : all) {
@@ -122,11 +146,11 @@ struct Session::State {
     Collectives& all = wiring.collectives;
     agree_after(all, [&] {
       check(*grid, "the grid");
-      check_wiring(layout, wiring);
+      if (draws()) check_wiring(layout, drawing);
     });
     require_same_scene(*grid, {}, layout, wiring);
     check_blocks(*grid, blocks, all);
-    const Sharing sharing = sharing_of(layout, wiring);
+    const Sharing sharing = sharing_of_blocks();
     scene.reset();
     known_values.reset();
     std::string error;
@@ -147,20 +171,31 @@ struct Session::State {
     deal_blocks(*grid, blocks, slices, round_bytes, sharing);
   }
 
+  /// Which process gets which slices of all processes' blocks.
+  Sharing sharing_of_blocks() const {
+    Sharing sharing = sharing_of(layout, wiring);
+    for (int& process : sharing.process_of_gp) process = root + process % (processes.ranks() - root);
+    return sharing;
+  }
+
   /// What frames need that need all this.
   Scene scene_for(const LoadOptions& needed) {
     if (!scene || !covers(made, needed)) {
       const LoadOptions before = std::exchange(made, needed);
       if (scene) add_needs(made, before);
       scene.reset();
-      scene = deal_scene_again(*committed_grid, slices, made, sharing_of(layout, wiring));
+      scene = deal_scene_again(*committed_grid, slices, made, sharing_of(layout, drawing));
     }
     return *scene;
   }
 
   Processes processes;
+  std::optional<Processes> part;  ///< those that draw, or the others; nothing where all do both
+  int root;                       ///< the first that draws
+  bool divided = false;           ///< the parts make calls by themselves
+  std::int64_t divisions = 0;
   Layout layout;
-  Wiring wiring;
+  Wiring wiring, drawing;  ///< of all, and of this rank's part
   EngineOptions engine;
   ProtocolOptions protocol;
   std::optional<Grid> grid;  ///< the next commit's
@@ -184,6 +219,7 @@ Session& Session::operator=(Session&&) noexcept = default;
 
 int Session::rank() const { return state_->processes.rank(); }
 int Session::ranks() const { return state_->processes.ranks(); }
+bool Session::visualises() const { return state_->part && state_->draws(); }
 
 void Session::set_grid(const Grid& grid) {
   state_->grid = grid;
@@ -229,7 +265,7 @@ const ValueStatistics& SessionParts::values(Session& session, const char* call) 
   const PlainFloats floats;
   Session::State& s = *session.state_;
   s.enter(call, input_error_of([&] { static_cast<void>(s.committed()); }));
-  if (!s.known_values) s.known_values = share_values(s.slices, *s.committed_grid, {}, s.wiring.collectives);
+  if (!s.known_values) s.known_values = share_values(s.slices, *s.committed_grid, {}, s.in_step());
   return *s.known_values;
 }
 
@@ -237,7 +273,7 @@ TransferFunction Session::transfer_function(const std::string& name) {
   const PlainFloats floats;
   const ValueStatistics& values = SessionParts::values(*this, "transfer_function");
   TransferFunction made;
-  agree_after(state_->wiring.collectives, [&] {
+  agree_after(state_->in_step(), [&] {
     made = name == "auto" ? choose_function(values).function : preset(name, values.histogram);
   });
   return made;
@@ -257,19 +293,19 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
                           const std::function<void(FrameResult&&)>& take) {
   const PlainFloats floats;
   Session::State& s = *session.state_;
-  std::optional<LoadOptions> needed;  // on rank 0, where there are frames
+  std::optional<LoadOptions> needed;  // on the root, where there are frames
   s.enter("render", input_error_of([&] {
             const Grid& grid = s.committed();
             check(s.engine);
             check(s.protocol);
-            if (s.processes.rank() != 0 || frames.empty()) return;
+            if (!directs(session) || frames.empty()) return;
             for (const FrameSpec& frame : frames) check_frame(frame, grid);
             needed = needed_together(frames, grid);
           }));
-  const Block told = s.wiring.collectives.broadcast(needed ? to_bytes(*needed) : Block{}, 0);
-  if (told.empty()) return;
+  const Block told = s.in_step().broadcast(needed ? to_bytes(*needed) : Block{}, s.divided ? 0 : s.root);
+  if (told.empty() || !s.draws()) return;
   needed = value_of<LoadOptions>(told, "what frames need");
-  if (s.wiring.loopback.poll) needed->told = [poll = s.wiring.loopback.poll](double) { poll(); };
+  if (s.drawing.loopback.poll) needed->told = [poll = s.drawing.loopback.poll](double) { poll(); };
   // What is thrown between messages would leave the other ranks waiting.
   std::exception_ptr thrown;
   const auto take_one = [&](FrameResult&& result) {
@@ -281,7 +317,7 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
     }
   };
   Scene scene = s.scene_for(*needed);
-  render_frames(std::move(scene), s.layout, s.protocol, director_of(frames, take_one), s.wiring, s.engine);
+  render_frames(std::move(scene), s.layout, s.protocol, director_of(frames, take_one), s.drawing, s.engine);
   if (thrown) std::rethrow_exception(thrown);
 }
 
@@ -294,10 +330,40 @@ void SessionParts::direct(Session& session, const LoadOptions& needed, Director 
   const PlainFloats floats;
   Session::State& s = *session.state_;
   s.enter("show", input_error_of([&] { static_cast<void>(s.committed()); }));
-  render_frames(s.scene_for(needed), s.layout, s.protocol, std::move(director), s.wiring, s.engine);
+  render_frames(s.scene_for(needed), s.layout, s.protocol, std::move(director), s.drawing, s.engine);
 }
 
-Collectives& SessionParts::collectives(Session& session) { return session.state_->wiring.collectives; }
+int SessionParts::root(const Session& session) { return session.state_->root; }
+Collectives& SessionParts::collectives(Session& session) { return session.state_->in_step(); }
 const Grid& SessionParts::grid(const Session& session) { return session.state_->committed(); }
+
+std::int64_t SessionParts::divide(Session& session, bool divided) {
+  Session::State& s = *session.state_;
+  s.divided = divided;
+  s.known_values.reset();  // only those that draw have kept them up to date
+  return s.divisions += divided ? 1 : 0;
+}
+
+Transport& SessionParts::transport(Session& session) { return *session.state_->processes.transport(); }
+
+std::vector<Block> SessionParts::pack(Session& session, std::size_t before) {
+  Session::State& s = *session.state_;
+  std::string problem = std::exchange(s.problem, {});
+  if (problem.empty() && facts_of(*s.grid) != facts_of(*s.committed_grid))
+    problem = "the grid is another than when Live began; hint: end it, commit() and make another";
+  agree(s.drawing.collectives, problem);
+  check_blocks(*s.grid, s.blocks, s.drawing.collectives);
+  std::vector<Block> packed;
+  for (int rank = s.root; rank < s.processes.ranks(); ++rank)
+    packed.push_back(packed_blocks(*s.grid, s.blocks, rank, s.sharing_of_blocks(), before));
+  return packed;
+}
+
+void SessionParts::place(Session& session, std::span<const std::byte> packed) {
+  Session::State& s = *session.state_;
+  s.scene.reset();
+  s.known_values.reset();
+  place_blocks(*s.committed_grid, packed, s.slices, s.sharing_of_blocks());
+}
 
 }  // namespace ringsplat

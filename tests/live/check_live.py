@@ -1,5 +1,5 @@
 """A simulation that is shown while it runs: examples/heat's heat_live, driven by a page's side of the protocol."""
-import argparse, os, signal, subprocess, sys, time
+import argparse, os, re, signal, subprocess, sys, time
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "serve"))
@@ -10,8 +10,12 @@ ENDLESS = 10 ** 9
 started = []
 
 
-def start(options, ranks, steps=ENDLESS, share=0.2):
-    started.append(vc.Server([options.mpiexec, "-n", str(ranks), options.heat, "32", str(steps)], {"SHARE": str(share)}))
+def command(options, ranks, steps):
+    return [options.mpiexec, "-n", str(ranks), options.heat, "32", str(steps)]
+
+
+def start(options, ranks, steps=ENDLESS, share=0.2, aside=0):
+    started.append(vc.Server(command(options, ranks, steps), {"SHARE": str(share), "SET_ASIDE": str(aside)}))
     return started[-1]
 
 
@@ -76,11 +80,12 @@ def answered(options):
     server.kill()
 
 
-def steered(options):
+def steered(options, aside=0):
     """It is held, takes single steps, and takes numbers, as its values prove."""
-    server = start(options, 4)
+    server = start(options, 4, aside=aside)
     client = server.client()
     client.picture(seq=client.view())
+    until("there is no heat yet", lambda: run(client)["step"] > 10)
     step = held(client)
     time.sleep(0.5)
     steer(client, "pause")
@@ -111,18 +116,22 @@ def steered(options):
 
 
 def same_on_all_ranks(options):
-    """The same step has the same picture on one rank and on four."""
-    servers = [start(options, ranks) for ranks in (1, 4)]
+    """The same step has the same picture on one rank and on four, of which some may be set aside."""
+    for aside in (0, 2, 1):
+        same_as_on_one(options, aside)
+
+
+def same_as_on_one(options, aside):
+    servers = [start(options, 1), start(options, 4, aside=aside)]
     clients = [server.client() for server in servers]
     for client in clients:
         client.picture(seq=client.view())
     steps = [held(client) for client in clients]
     for client, step in zip(clients, steps):
-        while step < max(steps):
-            step = one_step(client, step)
-            for waiting in clients:  # who answers no ping for a minute is sent away
-                steer(waiting, "pause")
-                run(waiting, paused=True)
+        for _ in range(step, max(steps)):
+            steer(client, "step")
+        if step < max(steps):
+            run(client, step=max(steps))
     files = []
     for client, server in zip(clients, servers):
         client.send({"type": "snapshot", "id": 1, "width": 200, "height": 160, "format": "png", "state": {}})
@@ -134,9 +143,9 @@ def same_on_all_ranks(options):
     subprocess.run([options.program, "compare", *files, "--fail-above", "0"], check=True, stdout=subprocess.DEVNULL)
 
 
-def clients_come_and_go(options):
+def clients_come_and_go(options, aside=0):
     """Whatever clients do, it goes on: also when it is held and nobody is left."""
-    server = start(options, 4)
+    server = start(options, 4, aside=aside)
     for k in range(12):
         client = server.client()
         client.send({"type": "drive"})
@@ -148,6 +157,7 @@ def clients_come_and_go(options):
         client.close()
     time.sleep(1)  # until nobody is there
     client = server.client()
+    client.view(width=64, height=64)
     step = run(client, paused=False)["step"]
     until("it does not go on", lambda: run(client)["step"] > step + 5)
     client.send("{")
@@ -164,6 +174,41 @@ def ends(options):
     expect(server.wait() == 0, "not a good end")
 
 
+def handed_over(server):
+    """How many steps it took, and of how many it handed blocks over; it has ended."""
+    words = server.process.stdout.read()
+    return [int(number) for number in re.search(r"(\d+) steps, .* s, (\d+) handed over", words).groups()]
+
+
+def set_aside(options):
+    """With ranks set aside it is steered as without, hands over nothing while nobody looks, and does not wait for pictures."""
+    for aside in (2, 1):
+        steered(options, aside)
+    clients_come_and_go(options, aside=2)
+    server = start(options, 4, steps=300, aside=2)
+    expect(server.wait() == 0, "not a good end")
+    expect(handed_over(server) == [300, 0], "blocks were handed over to nobody")
+    # A picture that takes long, of which nothing is seen before: steps are left out meanwhile.
+    server = start(options, 4, steps=3000, aside=1)
+    client = server.client()
+    client.acknowledge(client.picture(seq=client.view()))
+    client.send({"type": "snapshot", "id": 1, "width": 3000, "height": 2000, "format": "png", "state": {}})
+    client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1 or isinstance(m, dict) and m["type"] == "end", 120)
+    client.close()
+    expect(server.wait(120) == 0, "not a good end")
+    steps, handed = handed_over(server)
+    print(f"{handed} of {steps} steps were handed over")
+    expect(0 < handed < steps / 2, f"{handed} of {steps} steps were handed over")
+
+
+def wrongly_set_aside(options):
+    """So many ranks as cannot be set aside are an error that says what to do."""
+    for aside in (-1, 4):
+        done = subprocess.run(command(options, 4, 10), env={**os.environ, "SET_ASIDE": str(aside)}, capture_output=True, text=True)
+        expect(done.returncode != 0, aside)
+        expect(f"{aside} of 4 ranks cannot be set aside for visualisation" in done.stderr and "hint: " in done.stderr, done.stderr)
+
+
 def killed_rank(options):
     """Nothing is left of a job whose rank is killed while it is held."""
     server = start(options, 4)
@@ -178,7 +223,7 @@ def killed_rank(options):
 
 
 def main():
-    cases = [turned, answered, steered, same_on_all_ranks, clients_come_and_go, ends, killed_rank]
+    cases = [turned, answered, steered, same_on_all_ranks, clients_come_and_go, ends, set_aside, wrongly_set_aside, killed_rank]
     arguments = argparse.ArgumentParser()
     for name in ("--heat", "--program", "--mpiexec", "--scratch"):
         arguments.add_argument(name)

@@ -28,7 +28,7 @@ struct LiveOptions {
 };
 
 /// Shows the volume of a simulation in browsers while it runs. The simulation's own ranks draw it, between
-/// steps:
+/// steps, unless some are set aside for that (SessionOptions::visualisation_ranks):
 ///
 ///     ringsplat::Session session(comm);
 ///     ...                                   // set_grid(), add_block(), commit()
@@ -39,6 +39,9 @@ struct LiveOptions {
 ///       solve(viscosity);
 ///       live.show(step, time);
 ///     }
+///
+/// Those make and offer the same, but call visualise() in place of the steps; the first has the page's
+/// address.
 ///
 /// Pages turn the volume as those of `ringsplat serve`, whose threads on rank 0 never call MPI. The page that
 /// drives may hold the simulation, let it take single steps and change what it offers. While nobody looks a
@@ -65,7 +68,13 @@ class Live {
   /// at once while nobody looks or pictures have had their share; else commits the blocks and draws one
   /// picture. While a page holds the simulation it draws as many as are wanted, and returns when the page
   /// lets it go on, or all pages are gone. Collective; throws as Session::commit() and Session::render().
+  /// Where ranks are set aside it sends them copies of the blocks and waits for no picture; a step is left
+  /// out while they draw one before, or nobody looks.
   void show(std::int64_t step, double time = 0);
+  /// Draws what is handed over, on the ranks that are set aside; returns when the others' Live ends.
+  void visualise();
+  /// How often show() has handed this rank's blocks over.
+  std::int64_t handed_over() const;
 
  private:
   struct State;

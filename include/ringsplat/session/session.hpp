@@ -21,6 +21,8 @@ struct SessionOptions {
   double stall_timeout = 60;  ///< seconds until a frame without progress fails, or a late rank is named
   /// In one process: called now and then while a frame is made; may throw to end it.
   std::function<void()> poll = {};
+  /// So many ranks, the last, hold no blocks and draw while the others go on with their work: see Live.
+  int visualisation_ranks = 0;
 };
 
 /// Renders a volume that lies in blocks on the processes of a job, as often as wanted.
@@ -39,12 +41,14 @@ struct SessionOptions {
 /// be used on, with the volume that was committed last. After a RunError (a rank is lost, or stalls) it
 /// cannot.
 ///
+/// Where ranks are set aside to draw, a layout is theirs, and the first of them is rank 0 to render().
+///
 /// Calls leave as they were: the communicator and its error handler, signal handlers, and the thread's
 /// floating point environment (rounding, traps, flags, denormals).
 class Session {
  public:
   /// `processes`: an MPI_Comm, or nothing for this process alone. Collective. Without a layout every rank
-  /// hosts a GP and a Renderer.
+  /// that draws hosts a GP and a Renderer.
   explicit Session(Processes processes = {}, const std::optional<Layout>& layout = std::nullopt,
                    const SessionOptions& options = {});
   ~Session();
@@ -53,6 +57,8 @@ class Session {
 
   int rank() const;
   int ranks() const;
+  /// Whether this rank is set aside to draw.
+  bool visualises() const;
 
   /// The whole volume's lattice and type, the same on all processes. Removes the blocks.
   void set_grid(const Grid& grid);
