@@ -31,6 +31,9 @@ const char* ringsplat_message(void);
 
 /* `communicator`: as Fortran has it. Collective. */
 int ringsplat_open(int communicator, ringsplat_session** session);
+/* The same with so many ranks, the last, set aside to draw: they add no blocks and call ringsplat_visualise()
+ * in place of ringsplat_show(), and the first of them has the url and draws what ringsplat_render() wants. */
+int ringsplat_open_aside(int communicator, int visualisation_ranks, ringsplat_session** session);
 /* Collective; NULL is nothing. */
 void ringsplat_close(ringsplat_session* session);
 
@@ -68,6 +71,8 @@ const char* ringsplat_url(ringsplat_session* session);
 int ringsplat_offer(ringsplat_session* session, const char* name, double* value, double low, double high);
 /* Shows the blocks as they are now. Collective. */
 int ringsplat_show(ringsplat_session* session, int64_t step, double time);
+/* Draws on ranks that are set aside until the others close the session. Collective among them. */
+int ringsplat_visualise(ringsplat_session* session);
 
 #ifdef __cplusplus
 }

@@ -60,9 +60,14 @@ std::vector<std::string> words_of(const char* options) {
 const char* ringsplat_message() { return message.c_str(); }
 
 int ringsplat_open(int communicator, ringsplat_session** session) {
+  return ringsplat_open_aside(communicator, 0, session);
+}
+
+int ringsplat_open_aside(int communicator, int visualisation_ranks, ringsplat_session** session) {
   return guarded([&] {
     Processes processes = communicator == RINGSPLAT_ALONE ? Processes() : connected_by_number(communicator);
-    *session = new ringsplat_session{{std::move(processes), {}, {}, {}}};
+    const SessionOptions options{.visualisation_ranks = visualisation_ranks};
+    *session = new ringsplat_session{{std::move(processes), {}, options, {}}};
   });
 }
 
@@ -118,4 +123,8 @@ int ringsplat_offer(ringsplat_session* session, const char* name, double* value,
 
 int ringsplat_show(ringsplat_session* session, std::int64_t step, double time) {
   return guarded([&] { session->blocks.live().show(step, time); });
+}
+
+int ringsplat_visualise(ringsplat_session* session) {
+  return guarded([&] { session->blocks.live().visualise(); });
 }

@@ -18,7 +18,7 @@ module ringsplat
   private
   public :: ringsplat_open, ringsplat_close, ringsplat_set_grid, ringsplat_add_block, ringsplat_update_block
   public :: ringsplat_commit, ringsplat_render, ringsplat_act, ringsplat_serve, ringsplat_url, ringsplat_offer, ringsplat_show
-  public :: ringsplat_message
+  public :: ringsplat_message, ringsplat_open_aside, ringsplat_visualise
 
   integer, parameter, public :: ringsplat_input_error = 2, ringsplat_run_error = 3, ringsplat_alone = -1
 
@@ -27,6 +27,15 @@ module ringsplat
       import
       integer(c_int), value :: communicator
       type(c_ptr), intent(out) :: session
+    end function
+    integer(c_int) function ringsplat_open_aside(communicator, visualisation_ranks, session) bind(C)
+      import
+      integer(c_int), value :: communicator, visualisation_ranks
+      type(c_ptr), intent(out) :: session
+    end function
+    integer(c_int) function ringsplat_visualise(session) bind(C)
+      import
+      type(c_ptr), value :: session
     end function
     subroutine ringsplat_close(session) bind(C)
       import

@@ -20,7 +20,8 @@ BlockSession::BlockSession(Processes processes, const std::vector<std::string>& 
         Layout nodes;
         agree_after(processes.collectives(), [&] {
           if (!problem.empty()) throw InputError(problem);
-          nodes = parse_layout(layout, over_mpi, processes.ranks());
+          const int aside = options.visualisation_ranks, ranks = processes.ranks();
+          nodes = parse_layout(layout, over_mpi, aside > 0 && aside < ranks ? aside : ranks);
         });
         return Session(std::move(processes), nodes, options);
       }()) {}
@@ -42,7 +43,7 @@ std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
   Request wanted;
   agree_after(collectives_, [&] {
     check_values(values);
-    if (session_.rank() == 0) wanted = request(words, views, values);
+    if (SessionParts::directs(session_)) wanted = request(words, views, values);
   });
   const ValueRange range = values.range;
   std::vector<Picture> pictures;
@@ -64,18 +65,21 @@ void BlockSession::draw(const std::vector<std::string>& words, const std::string
 }
 
 void BlockSession::act(const std::string& file, std::int64_t step) {
+  const int root = SessionParts::root(session_);
+  if (live_ && root > 0)
+    throw InputError("act() needs all ranks, but some are set aside to serve", "call it before serve()");
   Actions& actions = actions_.try_emplace(file, file).first->second;
   std::vector<Action> due;
-  if (session_.rank() == 0) due = actions.due(step);
+  if (session_.rank() == root) due = actions.due(step);
   due.resize(
-      value_of<std::size_t>(collectives_.broadcast(to_bytes(due.size()), 0), "how many pictures are due"));
+      value_of<std::size_t>(collectives_.broadcast(to_bytes(due.size()), root), "how many pictures are due"));
   if (due.empty()) return;
   commit();
   for (const Action& action : due) {
     try {
       draw(action.words, action.file);
     } catch (const InputError& e) {
-      if (session_.rank() == 0) actions.warn(fmt::format("the picture {}: {}", action.name, e.what()));
+      if (session_.rank() == root) actions.warn(fmt::format("the picture {}: {}", action.name, e.what()));
     }
   }
 }
@@ -117,7 +121,7 @@ BlockSession::Request BlockSession::request(const std::vector<std::string>& word
   Request made{parse_picture(words, views, From::session), {}, {}};
   app::RenderOptions& o = made.options;
   const auto tell = [this](const std::string& note) {
-    if (!note.empty() && session_.rank() == 0) log_info("{}", note);
+    if (!note.empty() && SessionParts::directs(session_)) log_info("{}", note);
   };
   o.volume.path = "session";
   o.frame.shown.clip = app::clip_box(o.clip, grid);

@@ -39,8 +39,10 @@ int main(int argc, char** argv) {
   refused(ringsplat_offer(session, "gain", NULL, 0, 1), "nothing is served");
   refused(ringsplat_commit(session), "nothing is served");
   expect(ringsplat_render(session, "--tf=grey --size=40", argv[1]) == 0, "a picture");
+  refused(ringsplat_visualise(session), "nothing is served");
   ringsplat_close(session);
   ringsplat_close(NULL);
+  refused(ringsplat_open_aside(RINGSPLAT_ALONE, 1, &session), "1 of 1 ranks cannot be set aside");
   free(values);
   return argc - 2;
 }

@@ -72,6 +72,35 @@ for dtype, layout in LAYOUTS.items():
 for wrong, error in (({"layout": dict(gp=1)}, itself), ({"layout": (99, 99)}, rs.InputError), ({"threads": "two"}, itself)):
     refused(lambda: rs.Session(comm=comm, **(wrong if culprit else {})), error, "")
 
+# With ranks set aside to draw: the same bits, and they are done when the others are.
+volume, solvers = blob((18, 21, 25), "float32"), ranks - 1
+together = rs.Session(comm=comm)
+together.set_grid(volume.shape, "float32")
+add_random_blocks(together, volume, 3, rank, ranks)
+together.commit()
+expected = together.render(size=40)
+expected = comm.bcast(None if expected is None else np.asarray(expected))
+with rs.Session(comm=comm, visualisation_ranks=1) as session:
+    assert session.visualises == (rank == solvers)
+    session.set_grid(volume.shape, "float32")
+    if not session.visualises:
+        add_random_blocks(session, volume, 4, rank, solvers)
+    session.commit()
+    image = session.render(size=40)
+    assert np.array_equal(np.asarray(image), expected) if session.visualises else image is None
+    url = session.serve(tf="grey")
+    assert bool(url) == session.visualises
+    session.offer("gain", 2.0, 0.0, 4.0)
+    if session.visualises:
+        session.visualise()
+    else:
+        for step in range(50):
+            assert session.show(step) == {"gain": 2.0}
+        refused(session.commit, rs.InputError, "set aside")
+        refused(lambda: session.act("none.toml", 1), rs.InputError, "set aside")
+        refused(session.visualise, rs.InputError, "set aside")
+refused(lambda: rs.Session(comm=comm, visualisation_ranks=ranks), rs.InputError, "cannot be set aside")
+
 # The communicator is as it was, and its messages are its own.
 assert comm.allreduce(1) == ranks and comm.Get_errhandler() is not None
 assert np.asarray(rs.render(blob((8, 8, 8)), size=16)).max() > 0  # each rank by itself

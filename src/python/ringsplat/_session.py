@@ -113,22 +113,34 @@ class Session(contextlib.AbstractContextManager["Session"]):
         That share a rank's work.
     stall_timeout : float
         Seconds until a frame without progress fails, or a rank that the others wait for is named on stderr.
+    visualisation_ranks : int
+        So many ranks, the last, are set aside to draw what serve() shows. They add no blocks, a layout is theirs, and the
+        first of them is returned pictures and the page's address.
 
     Blocks are kept until they are replaced. A picture has the same bits for any blocks, ranks and layout.
     """
 
-    def __init__(self, comm: Any = None, layout: Any = None, threads: int = 1, stall_timeout: float = 60.0) -> None:
+    def __init__(
+        self,
+        comm: Any = None,
+        layout: Any = None,
+        threads: int = 1,
+        stall_timeout: float = 60.0,
+        visualisation_ranks: int = 0,
+    ) -> None:
         words: list[str] = []
         self._problem: Optional[Exception] = None
         try:
             words = _layout_words(layout)
             threads, stall_timeout = operator.index(threads), float(stall_timeout)
+            visualisation_ranks = operator.index(visualisation_ranks)
         except Exception as problem:
-            self._problem, threads, stall_timeout = problem, 1, 60.0
+            self._problem, threads, stall_timeout, visualisation_ranks = problem, 1, 60.0, 0
         connected = None if comm is None else _connect(comm)
         self._cores: list[Any] = []
         with self._together():
-            self._cores.append(_core.BlockSession(connected, words, threads, stall_timeout, _text(self._problem)))
+            text = _text(self._problem)
+            self._cores.append(_core.BlockSession(connected, words, threads, stall_timeout, text, visualisation_ranks))
         self._type: Optional[str] = None
         self._blocks: list[np.ndarray] = []
         # Before the interpreter ends, as MPI may be finalised when its last objects go.
@@ -143,6 +155,11 @@ class Session(contextlib.AbstractContextManager["Session"]):
     def ranks(self) -> int:
         """How many processes share the volume."""
         return self._open().ranks
+
+    @property
+    def visualises(self) -> bool:
+        """Whether this rank is set aside to draw: it calls visualise() in place of show()."""
+        return self._open().visualises
 
     @_by_itself
     def set_grid(
@@ -231,12 +248,12 @@ class Session(contextlib.AbstractContextManager["Session"]):
         words: list[str] = []
         views: Optional[list] = None
         with self._together(), contextlib.ExitStack() as stack:
-            told = stack.enter_context(_progress.told(progress and core.rank == 0))
-            if core.rank == 0:
+            told = stack.enter_context(_progress.told(progress and core.directs))
+            if core.directs:
                 with self._noted():
                     words, views = stack.enter_context(command_line(options, session=True))
             pictures = core.render(words, views or [], told)
-        if core.rank != 0:
+        if not core.directs:
             return None
         images = [Image(picture, None) for picture in pictures]
         return images if views is not None else images[0]
@@ -306,6 +323,12 @@ class Session(contextlib.AbstractContextManager["Session"]):
         Collective."""
         with self._together():
             return dict(self._open().show(step, time))
+
+    def visualise(self) -> None:
+        """Draws what show() hands over on ranks that are set aside; returns when the others close the session. Collective
+        among them."""
+        with self._together():
+            self._open().visualise()
 
     def close(self) -> None:
         """Lets go of the volume and of the communicator's duplicate. Collective."""
