@@ -122,16 +122,21 @@ def same_on_all_ranks(options):
 
 
 def same_as_on_one(options, aside):
-    servers = [start(options, 1), start(options, 4, aside=aside)]
-    clients = [server.client() for server in servers]
-    for client in clients:
-        client.picture(seq=client.view())
-    steps = [held(client) for client in clients]
+    servers, clients, steps = [], [], []
+    for ranks in (1, 4):
+        servers.append(start(options, ranks, aside=aside if ranks > 1 else 0))
+        clients.append(servers[-1].client())
+        steer(clients[-1], "pause")
+        steps.append(held(clients[-1]))
     for client, step in zip(clients, steps):
-        for _ in range(step, max(steps)):
-            steer(client, "step")
-        if step < max(steps):
-            run(client, step=max(steps))
+        while step < max(steps):
+            begin, step = step, min(step + 50, max(steps))
+            for _ in range(begin, step):
+                steer(client, "step")
+            run(client, step=step)
+            for waiting in clients:  # who answers no ping for a minute is sent away
+                steer(waiting, "pause")
+                run(waiting, paused=True)
     files = []
     for client, server in zip(clients, servers):
         client.send({"type": "snapshot", "id": 1, "width": 200, "height": 160, "format": "png", "state": {}})
