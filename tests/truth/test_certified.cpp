@@ -1,6 +1,7 @@
 #include <limits>
 #include <numbers>
 
+#include "pixel_bounds.hpp"
 #include "support/catch.hpp"
 #include "truth/certified.hpp"
 #include "truth_support.hpp"
@@ -70,22 +71,6 @@ FrameSpec spec_of(const Case& c, const Camera& camera, Shading shading) {
   spec.shown.shading = shading;
   if (c.nearest) spec.shown.interpolation = Interpolation::nearest;
   return spec;
-}
-
-/// Of pixels whose truth lies outside of their bounds.
-std::size_t outside(const std::vector<truth::PixelBounds>& bounds, const std::vector<truth::Rgba>& colours,
-                    double tolerance) {
-  std::size_t count = 0;
-  for (std::size_t p = 0; p < bounds.size(); ++p)
-    count += glm::any(
-        glm::greaterThan(glm::abs(bounds[p].nearest_to(colours[p]) - colours[p]), truth::Rgba(tolerance)));
-  return count;
-}
-
-double share_within(const std::vector<truth::PixelBounds>& bounds, double width) {
-  return double(
-             std::count_if(bounds.begin(), bounds.end(), [&](const auto& b) { return b.width() <= width; })) /
-         double(bounds.size());
 }
 
 }  // namespace

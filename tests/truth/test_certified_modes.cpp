@@ -2,6 +2,7 @@
 #include <limits>
 #include <random>
 
+#include "pixel_bounds.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "truth/certified.hpp"
@@ -66,21 +67,6 @@ FrameSpec spec_of(Mode mode, const Camera& camera, Shading shading = Shading::no
   spec.shown.isovalue = 0.37;
   spec.shown.shading = shading;
   return spec;
-}
-
-/// Of pixels whose colour lies outside of their bounds.
-std::size_t outside(const std::vector<truth::PixelBounds>& bounds, const std::vector<truth::Rgba>& colours,
-                    double tolerance = 1e-10) {
-  std::size_t count = 0;
-  for (std::size_t p = 0; p < bounds.size(); ++p)
-    count += glm::any(
-        glm::greaterThan(glm::abs(bounds[p].nearest_to(colours[p]) - colours[p]), truth::Rgba(tolerance)));
-  return count;
-}
-
-double share_within(const std::vector<truth::PixelBounds>& bounds, double width) {
-  return double(std::ranges::count_if(bounds, [&](const auto& b) { return b.width() <= width; })) /
-         double(bounds.size());
 }
 
 std::vector<truth::PixelBounds> bounds_of(const truth::Scene& scene, std::span<const truth::Pixel> pixels) {
