@@ -32,21 +32,17 @@ void refuse_several_channels(const char* subcommand, const VolumeOptions& volume
         "choose one; ringsplat render and serve draw several");
 }
 
-void leave_out(OptionList& list, const char* name) {
-  std::erase_if(list, [name](const Option& option) { return option.has_name(name); });
-}
-
 void add_volume(OptionList& list, RenderOptions& o, bool series) {
   add_volume_options(list, o.volume);
   add_clip_options(list, o);
-  if (!series) leave_out(list, "--frames");
+  if (series) add_series_options(list, o);
 }
 
 void add_picture(OptionList& list, RenderOptions& o, bool writes_function) {
   add_camera_options(list, o);
   add_view_options(list, o);
   add_size_options(list, o);
-  if (!writes_function) leave_out(list, "--tf-out");
+  if (writes_function) add_tf_output_options(list, o);
   add_method_options(list, o);
   add_shading_options(list, o);
   add_picture_options(list, o);
@@ -100,7 +96,6 @@ void add_serve(OptionList& list, ServeOptions& options) {
   add_server_options(list, options);
   add_camera_options(list, o);
   add_size_options(list, o);
-  leave_out(list, "--tf-out");
   add_shading_options(list, o);
   add_ranks(list, o.run);
 }

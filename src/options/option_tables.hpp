@@ -13,10 +13,12 @@ void add_protocol_options(OptionList& list, RunOptions& o);
 void add_machine_options(OptionList& list, RunOptions& o);
 // In the order of --help, which puts size, transfer function and the rest of a picture below one heading.
 void add_clip_options(OptionList& list, RenderOptions& o);
+void add_series_options(OptionList& list, RenderOptions& o);
 void add_render_output_options(OptionList& list, RenderOptions& o);
 void add_camera_options(OptionList& list, RenderOptions& o);
 void add_view_options(OptionList& list, RenderOptions& o);
 void add_size_options(OptionList& list, RenderOptions& o);
+void add_tf_output_options(OptionList& list, RenderOptions& o);
 void add_method_options(OptionList& list, RenderOptions& o);
 void add_shading_options(OptionList& list, RenderOptions& o);
 void add_picture_options(OptionList& list, RenderOptions& o);

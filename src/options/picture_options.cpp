@@ -86,6 +86,15 @@ How placed(How how, const MethodOptions& o) {
 
 }  // namespace
 
+void add_series_options(OptionList& list, RenderOptions& o) {
+  list.below("Volume") += {
+      {"--frames", "A:B[:STEP]|all", nullptr,
+       "The volumes of a series, from A to before B, or all; VOLUME is a file with several time points, or a "
+       "quoted pattern: 'step_*.nrrd', counted from 0, or step_%04d.nrrd, with the names' own numbers",
+       parsed(o.frames, parse_frames)},
+  };
+}
+
 void add_render_output_options(OptionList& list, RenderOptions& o) {
   list.below("Output") += {
       {"-o,--output", "FILE", nullptr,
@@ -136,10 +145,6 @@ void add_clip_options(OptionList& list, RenderOptions& o) {
          else
            std::tie(o.clip, o.slice) = parse_slice(slice, option);
        })},
-      {"--frames", "A:B[:STEP]|all", nullptr,
-       "The volumes of a series, from A to before B, or all; VOLUME is a file with several time points, or a "
-       "quoted pattern: 'step_*.nrrd', counted from 0, or step_%04d.nrrd, with the names' own numbers",
-       parsed(o.frames, parse_frames), Mark::of_program},
   };
 }
 
@@ -209,8 +214,6 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        all_of(o.frame.shown.light)},
       {"--tf", "NAME|FILE", initial, "Transfer function: a preset (info --presets) or a ParaView JSON file",
        value(o.transfer_function)},
-      {"--tf-out", "FILE", nullptr, "Write the transfer function used, as ParaView JSON",
-       value(o.transfer_function_out), Mark::of_program},
   };
   list.below("Colours") += {
       {"--range", "LO:HI", nullptr,
@@ -252,6 +255,13 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        "The values between voxels, which sheets and the field's truth ask for: linear, or the nearest "
        "voxel's; without it nearest for labels, else linear",
        choice(o.colour.interpolation, named({Interpolation::linear, Interpolation::nearest}))},
+  };
+}
+
+void add_tf_output_options(OptionList& list, RenderOptions& o) {
+  list.below("Picture") += {
+      {"--tf-out", "FILE", nullptr, "Write the transfer function used, as ParaView JSON",
+       value(o.transfer_function_out)},
   };
 }
 
