@@ -138,11 +138,11 @@ void find_volumes(Job& job, Launch& launch) {
   if (several) o.volume.choice.channel = "all";
   launch.check_on_rank_0([&] { job.series = find_series(o.volume, o.frames); });
   job.series = launch.of_rank_0(job.series);
-  launch.check_on_rank_0([&] {
-    if (several) job.channels = find_channels(job.part(0), wanted);
-  });
-  job.channels = launch.of_rank_0(job.channels);
-  if (several && job.channels.empty()) o.volume.choice.channel.clear();
+  if (several) {
+    launch.check_on_rank_0([&] { job.channels = find_channels(job.part(0), wanted); });
+    job.channels = launch.of_rank_0(job.channels);
+    if (job.channels.empty()) o.volume.choice.channel.clear();
+  }
   if (o.frames && !o.output.empty()) launch.check_on_rank_0([&] { refuse_replacing_volumes(o, job.series); });
   o.volume = job.part(0);
   job.volume = open(o.volume, launch);

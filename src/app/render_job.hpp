@@ -123,8 +123,8 @@ FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launc
 /// Loads the scene again, from the same volume.
 Scene reload(Job& job, Progress& progress, Launch& launch);
 
-/// Draws one of the job's volumes and channels: with --frames one view of it, else all. `sum` gets the
-/// pictures.
+/// Of the job's part `k`: with --frames one view of it, else all. `sum`, which must outlive it as the job
+/// must, gets the pictures.
 Director director_of(const Job& job, std::size_t k, const FrameSpec& frame, FrameSum& sum);
 
 /// Changes `frame` (on rank 0, which announces frames) to the cheapest setting that keeps the job's budget,
