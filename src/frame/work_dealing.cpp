@@ -126,7 +126,10 @@ std::vector<int> side_by_side(const FrameGeometry& g, const WorkEstimate& work, 
   // How many payloads one gets follows from what it is dealt.
   for (int pass = 0; pass < 2; ++pass) {
     double done = all, rate = 0;  // by a time at which all are done
-    for (std::size_t k = 0; k < busy.size(); ++k) done += spent[k] / pace[k], rate += 1 / pace[k];
+    for (std::size_t k = 0; k < busy.size(); ++k) {
+      done += spent[k] / pace[k];
+      rate += 1 / pace[k];
+    }
     std::vector<double> room;
     for (std::size_t k = 0; k < busy.size(); ++k)
       room.push_back(std::max(0.0, done / rate - spent[k]) / pace[k]);
