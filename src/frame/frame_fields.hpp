@@ -41,16 +41,10 @@ void fields(Describes<Shown> auto& shown, auto&& visit) {
   visit("clip_planes", clip_planes), visit("edges", edges), visit("tints", tints);
 }
 
-void fields(Describes<KernelOptions> auto& kernel, auto&& visit) {
-  auto& [method, phases, qee_bits, normalisation] = kernel;
-  visit("method", method), visit("phases", phases), visit("qee_bits", qee_bits);
-  visit("normalisation", normalisation);
-}
-
 void fields(Describes<Splats> auto& splats, auto&& visit) {
-  auto& [image_plane, plane_samples, kernel_radius, kernel, payload, precision] = splats;
+  auto& [image_plane, plane_samples, kernel_radius, normalisation, payload, precision] = splats;
   visit("image_plane", image_plane), visit("plane_samples", plane_samples), visit("radius", kernel_radius);
-  visit("kernel", kernel), visit("payload", payload), visit("precision", precision);
+  visit("normalisation", normalisation), visit("payload", payload), visit("precision", precision);
 }
 
 void fields(Describes<Sheets> auto& sheets, auto&& visit) {
@@ -81,7 +75,6 @@ constexpr Interpolation last_of(Interpolation) { return Interpolation::nearest; 
 constexpr Mode last_of(Mode) { return Mode::attenuated; }
 constexpr Shading last_of(Shading) { return Shading::phong; }
 constexpr Fit last_of(Fit) { return Fit::box; }
-constexpr KernelMethod last_of(KernelMethod) { return KernelMethod::texture; }
 constexpr Normalisation last_of(Normalisation) { return Normalisation::exact; }
 constexpr PayloadForm last_of(PayloadForm) { return PayloadForm::runs; }
 constexpr Precision last_of(Precision) { return Precision::u8; }

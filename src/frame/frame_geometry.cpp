@@ -100,7 +100,6 @@ void fit(FrameGeometry& g, const Shown& shown, const Splats& splats) {
   if (!(half < widest))
     throw InputError(fmt::format("a voxel's kernel would be {:.3g} pixels wide", 2 * half),
                      "use a smaller --zoom or --size");
-  check(splats.kernel, footprint);
 }
 
 /// A sheet's voxel is seen up to a lattice distance from its centre, or half of one beyond the box's faces.
@@ -210,7 +209,7 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
 
 Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry) {
   Footprint footprint = make_footprint(geometry.view, geometry.traversal.axis, splats.kernel_radius);
-  if (splats.kernel.normalisation == Normalisation::none) footprint.weight = 1;
+  if (splats.normalisation == Normalisation::none) footprint.weight = 1;
   return footprint;
 }
 

@@ -102,7 +102,10 @@ void check(const Shown& shown) {
 }
 
 void check(const Splats& splats) {
-  check(splats.kernel, splats.kernel_radius);
+  if (splats.normalisation == Normalisation::exact && !(splats.kernel_radius >= 1))
+    throw InputError(fmt::format("kernels of radius {} leave gaps, whose weights cannot be normalised",
+                                 splats.kernel_radius),
+                     "use --radius 1 or more, or --normalisation constant");
   if (splats.plane_samples != 1 && splats.plane_samples != 2 && splats.plane_samples != 4)
     throw InputError(fmt::format("--samples cannot be {}", splats.plane_samples),
                      "use 1, 2 or 4 pixels a voxel");
@@ -193,6 +196,11 @@ void take_method(FromBytes& archive, Method& how) {
 
 const char* name(Interpolation interpolation) {
   return interpolation == Interpolation::linear ? "linear" : "nearest";
+}
+
+std::string name(Normalisation normalisation) {
+  constexpr const char* names[] = {"none", "constant", "exact"};
+  return names[static_cast<int>(normalisation)];
 }
 
 const char* name(PayloadForm form) { return form == PayloadForm::words ? "words" : "runs"; }

@@ -115,8 +115,6 @@ const Rule all_rules[] = {
     {"--labels", excludes, "--tf --range --colours --log", "labels have colours of their own: leave one out"},
     {"@View @Picture @Colours @Shortcuts", needs, "--ranks",
      "add --ranks N to predict the time of such a frame"},
-    {"--phases", needs, "--kernel=texture", "leave out --phases or use --kernel texture",
-     "--phases has no effect on kernels that are computed"},
     {"--samples", needs, "--image-plane=slices --quality=draft --quality=normal",
      "leave out --samples or use --image-plane slices",
      "--samples has no effect on the screen, whose pixels --size counts"},

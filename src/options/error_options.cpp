@@ -123,8 +123,8 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
 }
 
 void note_options_without_effect(const OptionList& list, ReferenceOptions& o) {
-  // No truth uses kernel tables or regions; a field's truth uses no kernel and no slices.
-  std::vector<const char*> unknown{"--kernel", "--phases", "--qee-bits", "--region"};
+  // No truth uses regions; a field's truth uses no kernel and no slices.
+  std::vector<const char*> unknown{"--region"};
   if (o.truth == TruthKind::method || o.truth == TruthKind::certified) unknown.push_back("--tolerance");
   if (o.truth != TruthKind::method)
     unknown.insert(unknown.end(), {"--radius", "--normalisation", "--no-opacity-correction", "--engine",

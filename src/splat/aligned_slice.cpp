@@ -61,9 +61,8 @@ void take_weights(const std::vector<float>& window, AlignedSlice& slice) {
 
 std::optional<AlignedFrame> AlignedFrame::of(const FrameKernel& kernel, const ViewTransform& view,
                                              Axis axis) {
-  const auto [u, v] = in_plane(axis);
-  const auto steps = whole_steps({glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v])});
-  if (!steps || !std::holds_alternative<StencilWeights>(kernel.weights)) return {};
+  const auto steps = whole_steps(lattice_block(view, axis));
+  if (!steps || !has_stencil(kernel.footprint)) return {};
   return AlignedFrame(kernel, view, axis, *steps);
 }
 

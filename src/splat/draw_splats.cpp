@@ -7,9 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <utility>
-#include <variant>
-#include <vector>
 
 #include "raster/pixel_vectors-inl.hpp"
 #include "splat/splat.hpp"
@@ -116,20 +113,15 @@ struct OffsetRun {
 
 /// Weights computed from the quadratic.
 ///
-/// As all weights that a RowPainter takes: `reach` is that of every kernel; begin(splat) is false for what no
-/// footprint gives; begin_row(dy, columns) returns the columns with weights, and weights(dx) those of `lanes`
-/// pixels, of which the ones outside these columns mean nothing.
+/// begin_row(dy, columns) returns the columns with weights, and weights(dx) those of `lanes` pixels, of which
+/// the ones outside these columns mean nothing.
 class ComputedWeights {
  public:
-  static constexpr bool fused_sums = true;
   HWY_INLINE explicit ComputedWeights(const Footprint& footprint)
       : reach(kernel_reach(footprint)), footprint_(footprint) {}
   KernelReach reach;
 
-  HWY_INLINE bool begin(const Splat& splat) {
-    splat_ = splat;
-    return true;
-  }
+  HWY_INLINE void begin(const Splat& splat) { splat_ = splat; }
   HWY_INLINE OffsetRun begin_row(std::int64_t row, const OffsetRun& columns) {
     const auto dy = static_cast<double>(row);
     u0_ = static_cast<float>(footprint_.p[1][0] * dy);
@@ -170,92 +162,19 @@ class ComputedWeights {
   float u0_ = 0, v0_ = 0, linear_ = 0;  ///< of the row
 };
 
-/// Weights looked up at the splat's phase.
-class TabledWeightRows {
- public:
-  static constexpr bool fused_sums = true;
-  HWY_INLINE explicit TabledWeightRows(const FootprintTable& table) : reach(table.reach), table_(table) {}
-  KernelReach reach;
-
-  HWY_INLINE bool begin(const Splat& splat) {
-    first_row_ = table_.phase_of(splat.a, splat.b) * table_.rows();
-    return true;
-  }
-  HWY_INLINE OffsetRun begin_row(std::int64_t row, const OffsetRun& columns) {
-    const std::size_t at = first_row_ + static_cast<std::size_t>(row + reach.y);
-    row_ = table_.weights.data() + at * table_.row + reach.x;
-    return OffsetRun{table_.covered[at].first, table_.covered[at].end}.within(columns);
-  }
-  HWY_INLINE FloatVector weights(std::int64_t column) const { return hn::LoadU(Floats(), row_ + column); }
-
- private:
-  const FootprintTable& table_;
-  std::size_t first_row_ = 0;
-  const float* row_ = nullptr;
-};
-
-/// Weights in fixed point.
-class FixedPointRows {
- public:
-  static constexpr bool fused_sums = false;
-  FixedPointRows(const Footprint& footprint, int bits)
-      : reach(kernel_reach(footprint)),
-        bits_(bits),
-        d_(fixed(footprint.d)),
-        e_(fixed(footprint.e)),
-        f_(fixed(footprint.f)),
-        row_(static_cast<std::size_t>(2 * reach.x + 2) + lanes) {}
-  KernelReach reach;
-
-  bool begin(const Splat& splat) {
-    // No footprint has larger coefficients, since its semi-axes are a pixel or more.
-    constexpr float largest_a_or_b = 4.5F, largest_c = 8;
-    if (!(std::abs(splat.a) <= largest_a_or_b && std::abs(splat.b) <= largest_a_or_b &&
-          std::abs(splat.c) <= largest_c))
-      return false;
-    a_ = fixed(static_cast<double>(splat.a));
-    b_ = fixed(static_cast<double>(splat.b));
-    c_ = fixed(static_cast<double>(splat.c));
-    return true;
-  }
-  OffsetRun begin_row(std::int64_t dy, const OffsetRun& columns) {
-    const std::int64_t row = (f_ * dy + b_) * dy + c_, largest = (std::int64_t{1} << bits_) - 1;
-    const auto last_place = std::ldexp(1.0F, -bits_);
-    OffsetRun covered{columns.end, columns.first};
-    for (std::int64_t dx = columns.first; dx < columns.end; ++dx) {
-      const std::int64_t q = ((d_ * dx + e_ * dy + a_) * dx + row) >> guard_bits;
-      const float value = static_cast<float>(std::clamp<std::int64_t>(q, 0, largest)) * last_place;
-      row_[static_cast<std::size_t>(dx + reach.x)] = value * value;
-      if (q > 0) covered = {std::min(covered.first, dx), dx + 1};
-    }
-    return covered;
-  }
-  HWY_INLINE FloatVector weights(std::int64_t column) const {
-    return hn::LoadU(Floats(), row_.data() + column + reach.x);
-  }
-
- private:
-  static constexpr int guard_bits = 14;
-  std::int64_t fixed(double value) const { return std::llround(std::ldexp(value, bits_ + guard_bits)); }
-
-  int bits_;
-  std::int64_t d_, e_, f_, a_ = 0, b_ = 0, c_ = 0;
-  std::vector<float> row_;  ///< weights from −reach.x on; vectors read past the window
-};
-
 /// Draws splats row by row, clipped to the region.
-template <class Weights>
 class RowPainter {
  public:
-  HWY_INLINE RowPainter(const SliceBuffer& slice, Weights weights, PixelRun* written)
-      : slice_(slice), weights_(std::move(weights)), written_(written) {}
+  HWY_INLINE RowPainter(const SliceBuffer& slice, const Footprint& footprint, PixelRun* written)
+      : slice_(slice), weights_(footprint), written_(written) {}
 
   /// Returns whether the splat reaches a pixel.
   HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) {
     const KernelReach reach = weights_.reach;
     const OffsetRun columns{std::max(-x, -reach.x), std::min(slice_.width - x, reach.x + 2)},
         rows{std::max(-y, -reach.y), std::min(slice_.height - y, reach.y + 2)};
-    if (columns.empty() || !weights_.begin(splat)) return false;
+    if (columns.empty()) return false;
+    weights_.begin(splat);
     const Colour colour = load_colour(splat);
     bool reached = false;
     for (std::int64_t dy = rows.first; dy < rows.end; ++dy) {
@@ -279,35 +198,24 @@ class RowPainter {
       const auto inside = hn::FirstN(d, std::min(static_cast<std::size_t>(extent.end - at), lanes));
       const auto weights = hn::IfThenElseZero(inside, weights_.weights(at));
       largest = hn::Max(largest, weights);
-      add_some(pixels, spread_.template get<0>(weights), colour);
-      add_some(pixels + lanes, spread_.template get<1>(weights), colour);
-      add_some(pixels + 2 * lanes, spread_.template get<2>(weights), colour);
-      add_some(pixels + 3 * lanes, spread_.template get<3>(weights), colour);
+      add_to(pixels, spread_.get<0>(weights), colour);
+      add_to(pixels + lanes, spread_.get<1>(weights), colour);
+      add_to(pixels + 2 * lanes, spread_.get<2>(weights), colour);
+      add_to(pixels + 3 * lanes, spread_.get<3>(weights), colour);
     }
     return !hn::AllFalse(d, hn::Gt(largest, hn::Zero(d)));
   }
-  HWY_INLINE static void add_some(float* pixels, FloatVector weights, const Colour& colour) {
-    const Floats d;
-    if constexpr (Weights::fused_sums)
-      add_to(pixels, weights, colour);
-    else
-      hn::StoreU(hn::Add(hn::LoadU(d, pixels), hn::Mul(weights, colour)), d, pixels);
-  }
 
   const SliceBuffer& slice_;
-  Weights weights_;
+  ComputedWeights weights_;
   PixelRun* written_;
   Spread spread_;
 };
 
-DrawCounts DrawSplats(const SliceBuffer& slice, const FrameKernel& kernel, const Stencil* stencil,
+DrawCounts DrawSplats(const SliceBuffer& slice, const Footprint& footprint, const Stencil* stencil,
                       const SplatRun& run, PixelRun* written) {
   if (stencil != nullptr) return draw_each(run, StencilPainter(slice, *stencil, written));
-  if (const auto* const fixed = std::get_if<FixedPointWeights>(&kernel.weights))
-    return draw_each(run, RowPainter(slice, FixedPointRows(kernel.footprint, fixed->bits), written));
-  if (const auto* const tabled = std::get_if<TabledWeights>(&kernel.weights))
-    return draw_each(run, RowPainter(slice, TabledWeightRows(*tabled->table), written));
-  return draw_each(run, RowPainter(slice, ComputedWeights(kernel.footprint), written));
+  return draw_each(run, RowPainter(slice, footprint, written));
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -318,61 +226,9 @@ namespace ringsplat {
 
 HWY_EXPORT(DrawSplats);
 
-DrawCounts draw_splats(const SliceBuffer& slice, const FrameKernel& kernel, const Stencil* stencil,
+DrawCounts draw_splats(const SliceBuffer& slice, const Footprint& footprint, const Stencil* stencil,
                        const SplatRun& run, PixelRun* written) {
-  return HWY_DYNAMIC_DISPATCH(DrawSplats)(slice, kernel, stencil, run, written);
-}
-
-namespace {
-
-constexpr std::size_t most_floats = std::size_t{4} << 20;
-constexpr std::size_t widest_vector = 16;  ///< floats
-
-void fill_row(const Footprint& footprint, std::int64_t reach_x, double y, double centre_x, float* weights,
-              PixelRun& covered) {
-  for (std::int64_t x = -reach_x; x <= reach_x + 1; ++x) {
-    const double dx = static_cast<double>(x) - centre_x;
-    const double q = 1 + footprint.d * dx * dx + footprint.e * dx * y + footprint.f * y * y;
-    if (!(q > 0)) continue;
-    weights[x + reach_x] = static_cast<float>(q * q);
-    const auto at = static_cast<std::int32_t>(x);
-    covered.include(at, at + 1);
-  }
-}
-
-}  // namespace
-
-std::size_t FootprintTable::phase_of(float a, float b) const {
-  const auto nearest = [&](double centre) {
-    return static_cast<std::size_t>(std::clamp(centre * phases, 0.0, phases - 0.5));
-  };
-  const auto fa = static_cast<double>(a), fb = static_cast<double>(b);
-  return nearest(y_of_a * fa + y_of_b * fb) * static_cast<std::size_t>(phases) +
-         nearest(x_of_a * fa + x_of_b * fb);
-}
-
-FootprintTable make_footprint_table(const Footprint& footprint, int phases) {
-  FootprintTable table;
-  const KernelReach reach = table.reach = kernel_reach(footprint);
-  table.row = static_cast<std::size_t>(2 * reach.x + 2) + widest_vector;
-  const auto floats = [&] { return std::size_t(phases) * std::size_t(phases) * table.rows() * table.row; };
-  while (phases > 1 && floats() > most_floats) --phases;
-  table.phases = phases;
-
-  const double determinant = 4 * footprint.d * footprint.f - footprint.e * footprint.e;
-  table.x_of_a = -2 * footprint.f / determinant;
-  table.x_of_b = table.y_of_a = footprint.e / determinant;
-  table.y_of_b = -2 * footprint.d / determinant;
-
-  table.weights.assign(floats(), 0.0F);
-  table.covered.resize(floats() / table.row);
-  std::size_t at = 0;
-  for (int j = 0; j < phases; ++j)
-    for (int i = 0; i < phases; ++i)
-      for (std::int64_t y = -reach.y; y <= reach.y + 1; ++y, ++at)
-        fill_row(footprint, reach.x, static_cast<double>(y) - (j + 0.5) / phases, (i + 0.5) / phases,
-                 table.weights.data() + at * table.row, table.covered[at]);
-  return table;
+  return HWY_DYNAMIC_DISPATCH(DrawSplats)(slice, footprint, stencil, run, written);
 }
 
 }  // namespace ringsplat

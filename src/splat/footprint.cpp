@@ -26,13 +26,17 @@ glm::dmat2 compose(double along, double across, glm::dvec2 direction) {
 
 }  // namespace
 
+glm::dmat2 lattice_block(const ViewTransform& view, Axis axis) {
+  const auto [u, v] = in_plane(axis);
+  return {glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v])};
+}
+
 Footprint make_footprint(const ViewTransform& view, Axis axis, double radius) {
   if (!(radius >= 0.5 && radius <= 8)) {
     throw InputError(fmt::format("kernel radius {} is not within 0.5 to 8 voxels", radius),
                      "1.6 is a good radius: --radius 1.6");
   }
-  const auto plane = in_plane(axis);
-  const glm::dmat2 block(glm::dvec2(view.linear[plane.u]), glm::dvec2(view.linear[plane.v]));
+  const glm::dmat2 block = lattice_block(view, axis);
   glm::dmat2 variance = radius * radius * block * glm::transpose(block);
   const double trace = variance[0][0] + variance[1][1];
   if (!(trace <= widest_half_extent * widest_half_extent)) {

@@ -30,6 +30,9 @@ struct Footprint {
   double weight = 1;
 };
 
+/// What takes steps in the lattice's (u, v) to pixels.
+glm::dmat2 lattice_block(const ViewTransform& view, Axis axis);
+
 /// `radius`: in voxels. Throws InputError for a radius that is not in [0.5, 8], a view that is not finite,
 /// and kernels wider than 2^28 pixels.
 Footprint make_footprint(const ViewTransform& view, Axis axis, double radius);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstring>
 #include <ranges>
-#include <variant>
 
 namespace ringsplat {
 namespace {
@@ -75,8 +74,8 @@ Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats) {
 
 SplatSum::SplatSum(const FrameKernel& kernel, const PixelRect& largest)
     : reach_(kernel_reach(kernel.footprint)), kernel_(kernel) {
-  const bool by_anchors = std::holds_alternative<StencilWeights>(kernel.weights);
-  // With a stencil splats are added without clipping, and zeros go to the margins. All others' rows are
+  const bool by_anchors = has_stencil(kernel.footprint);
+  // With a stencil splats are added without clipping, and zeros go to the margins. Without it rows are
   // clipped to the region, but for the rest of the last vector.
   buffer_ = make_slice_buffer(by_anchors ? window_margins(reach_) : Margins{0, 16, 0, 0}, largest);
   if (by_anchors) stencil_ = make_stencil(kernel.footprint, buffer_.row_floats);
@@ -94,7 +93,8 @@ DrawCounts SplatSum::draw(std::int64_t base_x, std::int64_t base_y, std::span<co
   const std::int64_t left = base_x - image_->rect().x0, top = base_y - image_->rect().y0;
   const auto visible = image_->opaque_tiles().worth_asking() ? without_hidden(left, top, splats) : splats;
   const SplatRun run{visible.data(), visible.size() / sizeof(Splat), left, top};
-  DrawCounts counts = draw_splats(buffer_, kernel_, stencil_ ? &*stencil_ : nullptr, run, runs_.data());
+  DrawCounts counts =
+      draw_splats(buffer_, kernel_.footprint, stencil_ ? &*stencil_ : nullptr, run, runs_.data());
   counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);
   if (counts.drawn > 0) empty_ = false;
   return counts;

@@ -38,28 +38,6 @@ bool has_stencil(const Footprint& footprint);
 /// `row_floats`: floats from a row to the next one in the slice buffer.
 Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats);
 
-/// The footprint's weights Q² in the pixels round an anchor, for each of phases × phases positions of the
-/// kernel's centre: ((i + ½) / phases, (j + ½) / phases) pixels from the anchor's centre (Westover 1990).
-struct FootprintTable {
-  int phases = 1;
-  KernelReach reach{};
-  std::size_t row = 0;            ///< floats of a row; more than its pixels, as vectors read past them
-  std::vector<float> weights;     ///< [phase][2 reach.y + 2][row]
-  std::vector<PixelRun> covered;  ///< [phase][2 reach.y + 2]: pixels with a weight, from the anchor
-  double x_of_a = 0, x_of_b = 0, y_of_a = 0, y_of_b = 0;  ///< give the centre from a splat's a and b
-
-  std::size_t rows() const { return static_cast<std::size_t>(2 * reach.y + 2); }
-  /// The phase of the kernel with the coefficients a and b.
-  ///
-  /// They are linear in the centre, so it need not travel beside them. It is recovered within 2⁻²⁴ times the
-  /// square of the ellipse's ratio of axes: a thousandth of a pixel where that ratio is a hundred.
-  std::size_t phase_of(float a, float b) const;
-};
-
-/// Uses fewer phases where the table would be larger than 16 MiB: with four phases, for kernels of more than
-/// 500 pixels, to which half a pixel is little. Takes footprints that check(KernelOptions, Footprint) allows.
-FootprintTable make_footprint_table(const Footprint& footprint, int phases);
-
 /// Consecutive splats to draw into a region.
 struct SplatRun {
   const std::byte* bytes = nullptr;  ///< any alignment
@@ -75,22 +53,12 @@ struct SplatRun {
 /// With a stencil whole stencils are drawn. `written`: [height + 2 reach_y + 1], takes the columns of
 /// anchors, by their row from −reach_y − 1 on.
 ///
-/// Without, for kernels of any size and weights of any kind, splats are drawn row by row within the region.
-/// `written`: [height], takes the pixels written in each row.
-///
-/// Computed weights: K = −fma(u, u, v²) is computed on the way, with (u, v) = P (dx, dy), u = fma(P00, dx,
-/// u0) and v = fma(P10, dx, v0), where u0 and v0 are rounded once a row. A row is drawn where its quadratic,
-/// solved in double precision, is positive; that depends on the splat alone, not on the region.
-///
-/// A table's weights are looked up at the splat's phase.
-///
-/// In fixed point Q is what Pixel-Planes 5 evaluated (Neumann 1992, sections 2.2 and 4.1). The six
-/// coefficients are rounded to bits + 14 binary places. The sum of their products with the whole offsets
-/// (dx, dy) is exact, and its last 14 places are cut off, as a bit-serial evaluator does. So Q is a multiple
-/// of 2^−bits that is not above the true Q but for the coefficients' rounding, and 1 becomes 1 − 2^−bits. The
-/// squares of offsets within a region of 128 pixels need 14 guard bits: the rounded D, E and F then err by at
-/// most half of the result's last place. Q² is float32, and products are rounded before they are added.
-DrawCounts draw_splats(const SliceBuffer& slice, const FrameKernel& kernel, const Stencil* stencil,
+/// Without, for kernels of any size, splats are drawn row by row within the region. `written`: [height],
+/// takes the pixels written in each row. K = −fma(u, u, v²) is computed on the way, with (u, v) = P (dx, dy),
+/// u = fma(P00, dx, u0) and v = fma(P10, dx, v0), where u0 and v0 are rounded once a row. A row is drawn
+/// where its quadratic, solved in double precision, is positive; that depends on the splat alone, not on the
+/// region.
+DrawCounts draw_splats(const SliceBuffer& slice, const Footprint& footprint, const Stencil* stencil,
                        const SplatRun& run, PixelRun* written);
 
 /// Sums the kernels of one slice's splats in one region, one by one into a slice buffer, then composites the
@@ -125,7 +93,7 @@ class SplatSum {
 
   KernelReach reach_;
   FrameKernel kernel_;
-  std::optional<Stencil> stencil_;  ///< of StencilWeights
+  std::optional<Stencil> stencil_;  ///< where has_stencil(footprint)
   /// Where was drawn; with a stencil columns of anchors, by their row from −reach_y − 1 on.
   std::vector<PixelRun> runs_;
   std::vector<PixelRun> written_;

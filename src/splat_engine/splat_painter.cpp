@@ -22,8 +22,10 @@ class SplatPainter final : public FramePainter<SplatFrame> {
   void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
     for (Lane& lane : lanes_) lane.reader.reset();  // they refer to the last frame
     FramePainter::begin_frame(std::move(frame));
-    const FrameKernel kernel = make_frame_kernel(frame_->footprint, geometry().view,
-                                                 geometry().traversal.axis, frame_->splats.kernel);
+    FrameKernel kernel{frame_->footprint, {}};
+    if (frame_->splats.normalisation == Normalisation::exact)
+      kernel.lattice_sum = std::make_shared<LatticeSum>(
+          kernel.footprint, lattice_block(geometry().view, geometry().traversal.axis));
     for (Lane& lane : lanes_) {
       lane.reader = make_payload_reader(*frame_, kernel);
       lane.drawing = false;

@@ -21,8 +21,8 @@
 namespace ringsplat::app {
 namespace {
 
-/// Left out are table and fixed-point kernels and other normalisations: none is ever both cheaper and nearer
-/// to the requested method's truth (docs/measured/accuracy.md, "Speed against error").
+/// Left out are other normalisations: none is ever both cheaper and nearer to the requested method's truth
+/// (docs/measured/accuracy.md, "Speed against error").
 constexpr double opaque_thresholds[] = {0, 1.0 / 512, 1.0 / 128, 1.0 / 32};
 constexpr Precision precisions[] = {Precision::float32, Precision::half, Precision::u8};
 /// On the screen only: in the slices' plane a smaller kernel reaches as many pixels.

@@ -65,7 +65,7 @@ class Method : Tracer {
         v_(in_plane(traversal_.axis).v),
         kernel_(make_kernel(glm::dvec2(view_.linear[u_]), glm::dvec2(view_.linear[v_]),
                             scene.frame.as<Splats>().kernel_radius)),
-        normalisation_(scene.frame.as<Splats>().kernel.normalisation),
+        normalisation_(scene.frame.as<Splats>().normalisation),
         distance_(slice_length(rays_.through({0, 0}), axis_)),
         gradients_(scene) {
     if (normalisation_ == Normalisation::none) kernel_.weight = 1;

@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 MeasuredShortcuts measured(double radius, double seconds, double rmse_high) {
-  return {{0, Splats{.kernel_radius = radius, .kernel = {}}}, seconds, 0.9 * rmse_high, rmse_high};
+  return {{0, Splats{.kernel_radius = radius}}, seconds, 0.9 * rmse_high, rmse_high};
 }
 
 /// Holds the volume and the cache of its runs in a folder that is removed with it.
@@ -119,7 +119,6 @@ TEST_CASE("only what the user left open is to be chosen") {
     const Splats how = with(words, s).as<Splats>();
     CHECK(how.precision == Precision::float32);
     CHECK(how.payload == PayloadForm::words);
-    CHECK_NOTHROW(check(how.kernel, how.kernel_radius));
   }
 }
 
@@ -204,7 +203,7 @@ TEST_CASE("a budget that is free to choose the engine has both engines' settings
 TEST_CASE("a setting's text is the options that make it") {
   CHECK(to_text({0, Splats{}}) == "--opaque-threshold 0 --engine splats --precision float --radius 1.6");
   CHECK(
-      to_text({0, Splats{.image_plane = ImagePlane::slices, .plane_samples = 2, .kernel = {}}, 2}) ==
+      to_text({0, Splats{.image_plane = ImagePlane::slices, .plane_samples = 2}, 2}) ==
       "--opaque-threshold 0 --engine splats --precision float --radius 1.6 --image-plane slices --samples 2 "
       "--undersample 2");
   CHECK(to_text({0.25, Sheets{.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 3}}) ==

@@ -116,7 +116,6 @@ TEST_CASE("hints of refused options work") {
       {"--up 0 1 0", "add --eye", "--up 0 0 1 --eye 3 0 0"},
       {"--fov 40", "add --projection perspective", "--fov 40 --projection perspective"},
       {"--quality paper --fov 40 --projection perspective", "use --engine sheets, or leave --fov out", ""},
-      {"--quality paper --phases 3", "leave out --phases or use --kernel texture", "--quality paper"},
       {"--gps 2 --mesh 2x2 --topology mesh", "leave out --gps", "--mesh 2x2 --topology mesh"},
   };
   for (Hint& hint : hints) hint.refused = start + hint.refused, hint.run = start + hint.run;

@@ -120,8 +120,7 @@ TEST_CASE("a help that begins with a dot is text in the manual page") {
 TEST_CASE("the manual page tells which options exclude and which need each other") {
   const std::string page = said({"--man"});
   const std::string render = printed(section_of(page, "RENDER")), info = printed(section_of(page, "INFO"));
-  CHECK_THAT(render, Contains(" Needs --kernel texture.\n"));
-  CHECK_THAT(render, Contains("1 to 16. Needs --engine splats or --quality paper"));
+  CHECK_THAT(render, Contains("kernel in voxels. Needs --engine splats or --quality paper"));
   CHECK_THAT(render, Contains("light from everywhere. Not with --shading none."));
   CHECK_THAT(render, Contains("Pixels of the image.\n"));
   CHECK_THAT(render, Contains("the viewer climbs: 90 looks straight down, -90 up. Not with --matrix, --eye, "

@@ -29,15 +29,14 @@ FrameSpec small_frame(unsigned choice) {
       spec.as<Splats>().plane_samples = 1 << choice % 3;
       break;
     case 2:
-      spec.as<Splats>().kernel.method = KernelMethod::texture;
+      spec.shown.camera.zoom = 60;
       break;
     case 3:
       spec.shown.camera.zoom = 8;
       spec.division.region_size = 37;
-      if (choice % 2 == 0) spec.as<Splats>().kernel.qee_bits = 10;
       break;
     default:
-      spec.as<Splats>().kernel.normalisation = Normalisation::exact;
+      spec.as<Splats>().normalisation = Normalisation::exact;
       spec.shown.opaque_threshold = 0.1;
   }
   return spec;

@@ -44,19 +44,14 @@ TEST_CASE("Renderers without a region get no token, and whoever draws, the bits 
   }
 }
 
-TEST_CASE("every kernel has the same bits on any ranks, with regions of any size and in any order") {
+TEST_CASE("every normalisation has the same bits on any ranks, with regions of any size and in any order") {
   const auto source = synth_source("jack", make_grid({23, 27, 20}));
   const Image usual = render_loopback(*source, oblique_view(96, 80, 24), 1, 1).image;
-  for (const KernelOptions& kernel :
-       {KernelOptions{.normalisation = Normalisation::none},
-        KernelOptions{.normalisation = Normalisation::exact}, KernelOptions{.method = KernelMethod::texture},
-        KernelOptions{.method = KernelMethod::texture, .phases = 1}, KernelOptions{.qee_bits = 10},
-        KernelOptions{.method = KernelMethod::texture, .phases = 16, .normalisation = Normalisation::exact},
-        KernelOptions{.qee_bits = 4, .normalisation = Normalisation::exact}}) {
+  for (const auto normalisation : {Normalisation::none, Normalisation::exact}) {
     FrameSpec spec = oblique_view(96, 80, 24);
-    spec.as<Splats>().kernel = kernel;
+    spec.as<Splats>().normalisation = normalisation;
     INFO(to_json_text(spec));
-    CHECK(decode_frame_spec(encode(spec)).as<Splats>().kernel == kernel);
+    CHECK(decode_frame_spec(encode(spec)).as<Splats>().normalisation == normalisation);
     spec.division.region_size = 4096;
     const Image alone = render_loopback(*source, spec, 1, 1).image;
     REQUIRE(alone != usual);  // the option has an effect

@@ -139,7 +139,7 @@ Splats in_slices_plane() {
 
 Splats normalised_exactly() {
   Splats splats;
-  splats.kernel.normalisation = Normalisation::exact;
+  splats.normalisation = Normalisation::exact;
   return splats;
 }
 

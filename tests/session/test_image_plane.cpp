@@ -52,7 +52,7 @@ TEST_CASE("exact kernels in the slices' plane: words draw the bits of runs, in r
       FrameSpec spec = sheared_view(azimuth);
       spec.shown.width = spec.shown.height = 240;
       spec.as<Splats>().plane_samples = samples;
-      spec.as<Splats>().kernel.normalisation = Normalisation::exact;
+      spec.as<Splats>().normalisation = Normalisation::exact;
       spec.division.region_size = 4096;
       const Image alone = render_loopback(*source, spec, 1, 1).image;
       REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
@@ -79,7 +79,7 @@ TEST_CASE("exact kernels draw an even slice even in the slices' plane") {
         spec.as<Splats>().plane_samples = samples;
         spec.division.region_size = region;
         spec.as<Splats>().payload = form;
-        spec.as<Splats>().kernel.normalisation = Normalisation::exact;
+        spec.as<Splats>().normalisation = Normalisation::exact;
         spec.shown.transfer_function = constant_opacity(0.3);
         spec.shown.opacity_correction = false;
         const Image image = render_loopback(*source, spec, 2, 3).image;

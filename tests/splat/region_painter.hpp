@@ -10,10 +10,11 @@
 
 namespace ringsplat::test {
 
-/// The kernel that is computed in float32 and not normalised any further.
-inline FrameKernel plain_kernel(const Footprint& footprint) {
-  if (has_stencil(footprint)) return {footprint, StencilWeights{}, {}};
-  return {footprint, RowWeights{}, {}};
+/// The kernel that is not normalised any further.
+inline FrameKernel plain_kernel(const Footprint& footprint) { return {footprint, {}}; }
+/// The kernel that is divided by the sum of its lattice's.
+inline FrameKernel exact_kernel(const Footprint& footprint, const ViewTransform& view) {
+  return {footprint, std::make_shared<LatticeSum>(footprint, lattice_block(view, Axis::z))};
 }
 
 /// One region with a sum of its own, as a Renderer with one region has them.

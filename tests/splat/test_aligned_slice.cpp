@@ -129,8 +129,8 @@ Painted paint_splats(const FrameKernel& kernel, const ViewTransform& view, const
   return finish(painter, counts);
 }
 
-FrameKernel kernel_of(const ViewTransform& view, double radius, const KernelOptions& options = {}) {
-  return make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, options);
+FrameKernel kernel_of(const ViewTransform& view, double radius) {
+  return plain_kernel(make_footprint(view, Axis::z, radius));
 }
 
 }  // namespace
@@ -166,11 +166,12 @@ TEST_CASE("rows of voxels draw the bits of their splats wherever between the pix
         view.linear[2] = {0, 0, 1};
         view.offset = {11.5 + place, -13.5 + place, 0};
         const auto runs = random_runs(unsigned(100 * (radius + place)));
-        for (const auto normalisation : {Normalisation::constant, Normalisation::exact}) {
-          if (normalisation == Normalisation::exact && radius < 1) continue;
-          const FrameKernel kernel = kernel_of(view, radius, {.normalisation = normalisation});
+        for (const bool exact : {false, true}) {
+          if (exact && radius < 1) continue;
+          const FrameKernel plain = kernel_of(view, radius),
+                            kernel = exact ? exact_kernel(plain.footprint, view) : plain;
           INFO(step << " pixels a voxel, radius " << radius << ", " << place << " behind a pixel"
-                    << (kernel.lattice_sum ? ", exact" : ""));
+                    << (exact ? ", exact" : ""));
           CHECK(same_bits(paint_rows(kernel, view, runs).tile, paint_splats(kernel, view, runs).tile));
           taps.insert(aligned_frame(kernel, view).slice(slice).taps);
         }
@@ -181,18 +182,14 @@ TEST_CASE("rows of voxels draw the bits of their splats wherever between the pix
 }
 
 TEST_CASE("only voxels that lie a whole number of pixels apart make an aligned slice") {
-  const auto aligned = [](const ViewTransform& view, const KernelOptions& options = {}, double radius = 1.6) {
-    return AlignedFrame::of(make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, options),
-                            view, Axis::z)
-        .has_value();
+  const auto aligned = [](const ViewTransform& view, double radius = 1.6) {
+    return AlignedFrame::of(kernel_of(view, radius), view, Axis::z).has_value();
   };
   CHECK(aligned(aligned_view(1, 1)));
   CHECK_FALSE(aligned(aligned_view(1.5, 1)));
   CHECK_FALSE(aligned(aligned_view(1, 3)));
   CHECK_FALSE(aligned(view_of({1.0, 0.1})));
-  CHECK_FALSE(aligned(aligned_view(1, 1), {.method = KernelMethod::texture}));
-  CHECK_FALSE(aligned(aligned_view(1, 1), {.qee_bits = 10}));
-  CHECK_FALSE(aligned(aligned_view(4, 4), {}, 8));
+  CHECK_FALSE(aligned(aligned_view(4, 4), 8));
 }
 
 TEST_CASE("a voxel without a plausible opacity adds nothing to a row") {

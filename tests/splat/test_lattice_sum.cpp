@@ -4,10 +4,11 @@
 #include <glm/matrix.hpp>
 #include <random>
 
-#include "ringsplat/base/error.hpp"
-#include "splat/frame_kernel.hpp"
+#include "ringsplat/base/bytes.hpp"
+#include "splat/lattice_sum.hpp"
 #include "splat/scene.hpp"
 #include "support/catch.hpp"
+#include "support/vector_targets.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
@@ -25,8 +26,19 @@ double direct_sum(const Footprint& footprint, const glm::dmat2& block, glm::dvec
   return sum * footprint.weight;
 }
 
+/// A region of a slice that is divided by the lattice's sum.
+std::vector<float> paint(const FrameKernel& kernel, const std::vector<Placed>& splats, int x0, int y0,
+                         int width, int height) {
+  RegionPainter painter(x0, y0, width, height);
+  painter.begin_frame(kernel);
+  draw_all(painter, splats);
+  painter.composite({3.3, 4.4});
+  return tile_of(painter, width, height);
+}
+
 const Lattice lattices[] = {{0.02, 0.4, 0.7, 0.9, 1},  {0.3, 0.2, 0.6, 0.7, 1}, {1.3, 0, 1, 0, 1},
-                            {1.17, 0.4, 0.58, 0.9, 1}, {0.4, 0.3, 0.8, 0.2, 9}, {12, 1.4, 0.58, 0.2, 0.5}};
+                            {1.17, 0.4, 0.58, 0.9, 1}, {0.4, 0.3, 0.8, 0.2, 9}, {12, 1.4, 0.58, 0.2, 0.5},
+                            {60, 0.4, 0.7, 0.9, 1}};
 
 }  // namespace
 
@@ -83,30 +95,6 @@ TEST_CASE("kernels thousands of voxels wide cost no more and sum to 1", "[lattic
   }
 }
 
-TEST_CASE("kernel options that cannot be or have no effect are refused", "[kernel-options]") {
-  const auto refused = [](const KernelOptions& options, double radius, const std::string& named) {
-    try {
-      check(options, radius);
-    } catch (const InputError& e) {
-      return std::string(e.what()).find(named) != std::string::npos;
-    }
-    return false;
-  };
-  CHECK(refused({.phases = 0}, 1.6, "--phases"));
-  CHECK(refused({.phases = 17}, 1.6, "--phases"));
-  CHECK(refused({.qee_bits = 1}, 1.6, "--qee-bits"));
-  CHECK(refused({.qee_bits = 17}, 1.6, "--qee-bits"));
-  CHECK(refused({.method = KernelMethod::texture, .qee_bits = 10}, 1.6, "--kernel qee"));
-  CHECK(refused({.normalisation = Normalisation::exact}, 0.99, "--radius"));
-  check({.normalisation = Normalisation::exact}, 1.0);
-  check({.qee_bits = 10}, 0.5);
-  const auto wide = footprint_of({700, 0, 1, 0, 1});
-  CHECK_THROWS_AS(check({.method = KernelMethod::texture}, wide), InputError);
-  CHECK_THROWS_AS(check({.qee_bits = 10}, footprint_of({3000, 0, 1, 0, 1})), InputError);
-  check({.qee_bits = 10}, wide);
-  check(KernelOptions{}, wide);
-}
-
 TEST_CASE("where voxels lie whole pixels apart the sum has a value for each pixel of a voxel",
           "[lattice-sum]") {
   for (const double step : {1.0, 2.0, 4.0}) {
@@ -127,6 +115,53 @@ TEST_CASE("where voxels lie whole pixels apart the sum has a value for each pixe
           REQUIRE(double(whole[std::size_t(4 * x) + c]) ==
                   Approx(0.5 / direct_sum(footprint, block, at)).epsilon(1e-6));
       }
+    }
+  }
+}
+
+TEST_CASE("divided slices have the same bits in regions of any size and by every instruction set",
+          "[lattice-sum][vector]") {
+  constexpr int size = 160;
+  for (const auto& lattice : lattices) {
+    const FrameKernel kernel = exact_kernel(footprint_of(lattice), view_of(lattice));
+    const auto splats = random_splats(kernel.footprint, 300, -20, -20, size + 20, size + 20, 1);
+    use_vector_target("");
+    const auto whole = paint(kernel, splats, 0, 0, size, size);
+    REQUIRE(*std::max_element(whole.begin(), whole.end()) > 1e-6F);
+    for (const auto& target : vector_targets()) {
+      use_vector_target(target);
+      INFO(target << ", " << lattice.scale << " pixels a voxel");
+      CHECK(same_bits(paint(kernel, splats, 0, 0, size, size), whole));
+    }
+    use_vector_target("");
+    constexpr int part = 37;
+    for (int y0 = 0; y0 < size; y0 += part)
+      for (int x0 = 0; x0 < size; x0 += part) {
+        const int width = std::min(part, size - x0), height = std::min(part, size - y0);
+        const auto tile = paint(kernel, splats, x0, y0, width, height);
+        for (int y = 0; y < height; ++y) {
+          const auto row = whole.begin() + 4 * ((y0 + y) * size + x0);
+          REQUIRE(std::equal(row, row + 4 * width, tile.begin() + 4 * y * width));
+        }
+      }
+  }
+}
+
+TEST_CASE("no bytes from outside can break a divided slice", "[lattice-sum][fuzz]") {
+  std::mt19937 random(17);
+  std::uniform_int_distribution<int> byte(0, 255), size(1, 70), base(-300, 300);
+  for (const auto& lattice : lattices) {
+    const FrameKernel kernel = exact_kernel(footprint_of(lattice), view_of(lattice));
+    for (int round = 0; round < 10; ++round) {
+      const int width = size(random), height = size(random);
+      RegionPainter painter(0, 0, width, height);
+      painter.begin_frame(kernel);
+      Bytes bytes(200 * sizeof(Splat));
+      for (auto& value : bytes) value = static_cast<std::byte>(byte(random));
+      const auto counts = painter.draw(base(random), base(random), bytes);
+      CHECK(counts.drawn + counts.clipped == 200);
+      painter.composite();
+      for (const float value : tile_of(painter, width, height)) REQUIRE((value >= 0 && value <= 1.0001F));
     }
   }
 }

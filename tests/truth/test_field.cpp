@@ -181,7 +181,7 @@ TEST_CASE("a narrow peak up to opacity 1 has its own depth, and is no opaque she
 TEST_CASE("space beside a voxel that is not a number is empty, and is not read as zero") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   FrameSpec spec = plain_spec(constant_opacity(0.3), 9, {.zoom = 2});  // zero is opaque, too
-  spec.as<Splats>().kernel.normalisation = Normalisation::exact;
+  spec.as<Splats>().normalisation = Normalisation::exact;
   const std::vector<truth::Pixel> middle{{4, 4}};
   // Seen along y. A missing slice costs the field the cells on both sides, or at the face one cell and half a
   // voxel.

@@ -69,7 +69,7 @@ TEST_CASE("slices that are shifted against each other lie nearer together than t
   const glm::dvec3 spacing{1.0, 0.8, 2.0};
   for (const double tilt : {0.0, 25.0}) {
     FrameSpec spec = plain_spec(constant_opacity(0.2), 33, tilted(Axis::z, tilt));
-    spec.as<Splats>().kernel.normalisation = Normalisation::exact;
+    spec.as<Splats>().normalisation = Normalisation::exact;
     const Volume volume = even_volume({31, 37, 3}, spacing, direction);
     const auto scene = scene_of(volume, spec);
     const double units = 3 * spacing.z * direction[2].z / 0.8 / std::cos(tilt * degrees),

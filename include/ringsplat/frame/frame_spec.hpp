@@ -8,7 +8,6 @@
 #include "ringsplat/classify/material.hpp"
 #include "ringsplat/classify/mode.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
-#include "ringsplat/splat/kernel_options.hpp"
 #include "ringsplat/view/view.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "ringsplat/volume/reduced.hpp"
@@ -22,6 +21,14 @@ enum class Shading { none, phong };
 /// voxel's, as between labels there are no others. Splats classify voxels and ask for none.
 enum class Interpolation { linear, nearest };
 const char* name(Interpolation interpolation);
+
+/// What divides the kernels' weights.
+enum class Normalisation {
+  none,      ///< nothing: Q² as it is, which makes opacities π radius² / 3 times too large on the average
+  constant,  ///< the mean of the lattice's sum of weights; what is left is the kernel's ripple
+  exact      ///< that sum itself, at each pixel
+};
+std::string name(Normalisation normalisation);
 
 /// How splats travel from GPs to Renderers: the paper's six words each, or runs of voxels whose positions
 /// follow from the view.
@@ -96,7 +103,7 @@ struct Splats {
   ImagePlane image_plane = ImagePlane::screen;
   int plane_samples = 1;       ///< in the slices' plane: most pixels a voxel along either axis
   double kernel_radius = 1.6;  ///< in lattice distances
-  KernelOptions kernel;
+  Normalisation normalisation = Normalisation::constant;
   PayloadForm payload = PayloadForm::runs;
   Precision precision = Precision::float32;
   bool operator==(const Splats&) const = default;
