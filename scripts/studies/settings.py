@@ -27,8 +27,8 @@ KEYS = {"repetitions": 5, "size": "256x256", "error_pixels": 4096, "seed": 1, "t
         "scene": {}, "setting": {}}
 HINT = "hint: scripts/study settings --list prints a list that works"
 # Columns: of a frame's settings, and of its error.
-HOW = ("engine", "image_plane", "plane_samples", "radius", "kernel", "phases", "qee_bits", "normalisation", "payload", "precision", "slabs",
-       "light_points", "adaptive", "opacity_correction")
+HOW = ("engine", "image_plane", "plane_samples", "radius", "normalisation", "payload", "precision", "slabs", "light_points",
+       "adaptive", "opacity_correction")
 ERROR = ("truth", "pixels", "rmse", "rmse_low", "rmse_high", "largest", "mean")
 LIGHT = ("shading", "light", "ambient", "diffuse", "specular", "exponent")
 
@@ -215,8 +215,8 @@ class Study:
 def columns_of(frames):
     """What a view's frames have in common."""
     last = frames[-1]
-    kernel, camera, total = last["settings"].get("kernel", {}), last["settings"]["camera"], last["total"]
-    settings = {**last["settings"], **kernel, "kernel": kernel.get("method")}
+    settings, total = last["settings"], last["total"]
+    camera = settings["camera"]
     return {**{name: settings.get(name) for name in HOW}, "phong": settings["shading"] == "phong",
             **{name: camera[name] for name in ("azimuth", "elevation", "roll", "zoom")}, "axis": last["traversal"]["axis"],
             "seconds": median(frame["seconds"] for frame in frames), "frames": len(frames), "splats": total["splats_sent"],
