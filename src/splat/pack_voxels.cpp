@@ -1,25 +1,10 @@
 #include <algorithm>
 #include <array>
-#include <bit>
 
+#include "base/half.hpp"
 #include "splat/voxel_run.hpp"
 
 namespace ringsplat {
-namespace {
-
-/// Rounds 0 and numbers from 2⁻¹²⁶ to 65504 to nearest even (Giesen 2012, "Float->half variants").
-std::uint16_t to_half(float value) {
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  // The sum has the half's last place, so that adding rounds.
-  const std::uint32_t subnormal =
-      std::bit_cast<std::uint32_t>(value + 0.5F) - std::bit_cast<std::uint32_t>(0.5F);
-  const std::uint32_t normal = (bits - (std::uint32_t{127 - 15} << 23) + 0xfff + (bits >> 13 & 1)) >> 13;
-  const std::uint32_t is_subnormal = bits < std::bit_cast<std::uint32_t>(0x1p-14F) ? ~0U : 0U;
-  return static_cast<std::uint16_t>((subnormal & is_subnormal) | (normal & ~is_subnormal));
-}
-
-}  // namespace
-
 void pack(const float* rgba, std::size_t count, FloatVoxel* voxels) {
   // Words are computed together, which compilers vectorise.
   constexpr std::size_t together = 64;

@@ -1,9 +1,9 @@
 #pragma once
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 
+#include "base/half.hpp"
 #include "splat/splat.hpp"
 
 namespace ringsplat {
@@ -53,12 +53,6 @@ inline VoxelColour unpack(const FloatVoxel& in) {
   VoxelColour out{in.rgb[0], in.rgb[1], in.rgb[2], 0};
   std::memcpy(&out.opacity, in.opacity, sizeof out.opacity);
   return out;
-}
-/// A half within [0, 1]; others give some finite number.
-inline float from_half(std::uint16_t half) {
-  constexpr std::uint32_t smallest_normal = 1U << 10, bias = 127 - 15;
-  if (half < smallest_normal) return static_cast<float>(half) * 0x1p-24F;
-  return std::bit_cast<float>((std::uint32_t{half} << 13 & 0x0fffffff) + (bias << 23));
 }
 inline VoxelColour unpack(const HalfVoxel& in) {
   return {quantise_colour(from_half(in.rgba[0])), quantise_colour(from_half(in.rgba[1])),
