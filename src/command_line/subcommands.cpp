@@ -64,9 +64,10 @@ void add_render(OptionList& list, RenderOptions& o) {
   add_error_options(list, o);
 }
 
-/// Sheets run ahead of tokens; described machines keep to the paper's protocol.
+/// Sheets run ahead of tokens; described machines keep to the paper's protocol, but for layers.
 void settle_protocol(const OptionList& list, RenderOptions& o) {
-  if (!std::holds_alternative<Sheets>(o.frame.how) || !o.run.machine.empty()) return;
+  const auto* const sheets = std::get_if<Sheets>(&o.frame.how);
+  if (sheets == nullptr || (!o.run.machine.empty() && sheets->layers == 0)) return;
   const auto unless_given = [&list](const char* option, int& value, int usual) {
     if (!list.is_given(option)) value = usual;
   };

@@ -23,10 +23,10 @@ class PictureCanvas final : public Canvas {
         take_(std::move(take)),
         image_(Image::uninitialised(geometry_->width, geometry_->height)),
         filled_{image_.width, image_.height, -1, -1},
-        here_(std::size_t(geometry_->regions.count())) {}
+        here_(std::size_t(geometry_->picture_regions().count())) {}
 
   void take(int tile, std::span<const std::byte> bytes) override {
-    const PixelRect rect = geometry_->regions.rect(tile);
+    const PixelRect rect = geometry_->picture_regions().rect(tile);
     const std::size_t row_bytes = std::size_t(rect.width()) * 4 * sizeof(float);
     for (int y = 0; y < rect.height(); ++y)
       std::memcpy(image_.pixel(rect.x0, rect.y0 + y), bytes.data() + std::size_t(y) * row_bytes, row_bytes);
@@ -36,9 +36,9 @@ class PictureCanvas final : public Canvas {
 
   void finish() override {
     // Clears only pixels without a tile, which are few.
-    for (int region = 0; region < geometry_->regions.count(); ++region) {
+    for (int region = 0; region < int(here_.size()); ++region) {
       if (here_[std::size_t(region)]) continue;
-      const PixelRect rect = geometry_->regions.rect(region);
+      const PixelRect rect = geometry_->picture_regions().rect(region);
       for (int y = rect.y0; y < rect.y1; ++y)
         std::fill(image_.pixel(rect.x0, y), image_.pixel(rect.x1, y), 0.0F);
     }
@@ -67,10 +67,11 @@ FramePlan plan_of(const FrameGeometry& g, SliceDealing dealing, int renderers) {
   plan.first_slice = first + g.traversal.slice_at(0, g.slices);
   for (int step = 0; step < g.slices; ++step)
     plan.owners[std::size_t(step)] = dealing.owner_of(first + g.traversal.slice_at(step, g.slices));
-  const RegionOwners owners = g.owners(renderers);
-  plan.tiles.resize(std::size_t(g.regions.count()));
-  for (int region = 0; region < g.regions.count(); ++region) {
-    const PixelRect rect = g.regions.rect(region);
+  const RegionOwners owners = g.tile_owners(renderers);
+  const Regions& regions = g.picture_regions();
+  plan.tiles.resize(std::size_t(regions.count()));
+  for (int region = 0; region < regions.count(); ++region) {
+    const PixelRect rect = regions.rect(region);
     plan.tiles[std::size_t(region)] = {
         owners.of(region), std::size_t(rect.width()) * std::size_t(rect.height()) * 4 * sizeof(float)};
   }

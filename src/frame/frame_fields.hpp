@@ -48,9 +48,9 @@ void fields(Describes<Splats> auto& splats, auto&& visit) {
 }
 
 void fields(Describes<Sheets> auto& sheets, auto&& visit) {
-  auto& [image_plane, plane_samples, slabs, light_points, adaptive] = sheets;
+  auto& [image_plane, plane_samples, slabs, light_points, adaptive, layers] = sheets;
   visit("image_plane", image_plane), visit("plane_samples", plane_samples), visit("slabs", slabs);
-  visit("light_points", light_points), visit("adaptive", adaptive);
+  visit("light_points", light_points), visit("adaptive", adaptive), visit("layers", layers);
 }
 
 void fields(Describes<Division> auto& division, auto&& visit) {

@@ -182,6 +182,27 @@ Regions low_strips(const FrameGeometry& g, int renderers, const PixelWindow& rea
           std::min(g.width, std::max(round_up(reached_width / columns, 16), least_columns)), region_height};
 }
 
+/// Layers lie below each other, so that a Renderer whose regions are neighbours has those of few layers.
+void stack_layers(FrameGeometry& g, int slices) {
+  constexpr int most_rows = 1 << 20;
+  const PixelRect first = g.regions.rect(0);
+  g.layers = {slices, (g.slices + slices - 1) / slices, first.height() * g.regions.rows(), g.regions,
+              g.reached};
+  if (g.layers.height > most_rows / g.layers.count)
+    throw InputError(fmt::format("{} layers are too many for a picture of that size", g.layers.count),
+                     fmt::format("use more slices than --layers {}", slices));
+  g.regions = {g.width, g.layers.height * g.layers.count, first.width(), first.height()};
+  g.reached.y0 = 0;
+  g.reached.y1 = g.reached.empty() ? 0 : g.regions.rows();
+}
+
+/// Among how many Renderers a layer is shared out, so that all have regions of layers and of the picture.
+int sharing_a_layer(const FrameGeometry& g, int slices, int renderers) {
+  constexpr int regions_of_strips = 16;
+  const int layers = std::min((g.slices + slices - 1) / slices, regions_of_strips);
+  return (renderers + layers - 1) / layers;
+}
+
 }  // namespace
 
 std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid) {
@@ -213,19 +234,35 @@ Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry) {
   return footprint;
 }
 
+RegionOwners FrameGeometry::tile_owners(int renderers) const {
+  if (layers.slices == 0) return owners(renderers);
+  // In turn along the rows, so that all have about as many.
+  std::vector<int> owner(std::size_t(layers.picture.count()), RegionOwners::nobody);
+  const PixelRect& block = layers.reached;
+  const std::int64_t all = std::int64_t{block.width()} * block.height();
+  std::int64_t next = 0;
+  for (int y = block.y0; y < block.y1; ++y)
+    for (int x = block.x0; x < block.x1; ++x)
+      owner[std::size_t(y * layers.picture.columns() + x)] = int(next++ * renderers / all);
+  return RegionOwners(std::move(owner));
+}
+
 PixelRect reached_regions(const FrameGeometry& g, const Regions& regions) {
   return regions.touched(reached_pixels(g));
 }
 
 void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
   const Division& division = spec.division;
-  const int renderers = std::clamp(division.dealt_to, 1, 1 << 16);
+  const auto* const sheets = std::get_if<Sheets>(&spec.how);
+  const int layer = sheets != nullptr ? sheets->layers : 0;
+  int renderers = std::clamp(division.dealt_to, 1, 1 << 16);
   const PixelWindow reached = reached_pixels(g);
   constexpr int usual_side = 128;
-  g.in_parts = std::holds_alternative<Sheets>(spec.how) && in_parts(g, renderers);
+  g.in_parts = layer > 0 || (sheets != nullptr && in_parts(g, renderers));
+  if (layer > 0) renderers = sharing_a_layer(g, layer, renderers);
   if (division.region_size > 0)
     g.regions = {g.width, g.height, division.region_size};
-  else if (std::holds_alternative<Sheets>(spec.how))
+  else if (sheets != nullptr)
     // Low strips share out evenly what costs by the pixel. Squares suit splats, which regions cut.
     g.regions = low_strips(g, renderers, reached);
   else if (!g.warp)
@@ -234,6 +271,7 @@ void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
     g.regions = strips(renderers, g.width, g.height);
   g.reached = g.regions.touched(reached);
   g.dealt_to = division.dealt_to;
+  if (layer > 0) stack_layers(g, layer);
 }
 
 }  // namespace ringsplat

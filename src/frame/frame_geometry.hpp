@@ -20,6 +20,17 @@ struct LatticePlane {
   double before(const glm::dvec3& place) const { return glm::dot(normal, place) + offset; }
 };
 
+/// Layers of slices that are drawn each for itself (Sheets::layers). Each has an image plane of its own; they
+/// lie one below another in one tall plane, whose regions Renderers draw.
+struct Layers {
+  int slices = 0;  ///< of a layer; 0: there are none
+  int count = 1;
+  int height = 0;  ///< pixels from a layer's plane to the next one's
+  /// Of one plane, into which the layers' regions are composited, and the block of those that voxels reach.
+  Regions picture;
+  PixelRect reached;
+};
+
 /// What follows from a FrameSpec and a volume's grid; the same on every rank.
 struct FrameGeometry {
   Grid grid;           ///< of what is rendered: reduced when undersampled, and the part in `box`
@@ -30,8 +41,9 @@ struct FrameGeometry {
   /// Reach of a voxel's footprint from its centre, in pixels of the image plane; of the nearest voxel in a
   /// perspective view, and infinite when a corner of the box is beside or behind the eye.
   glm::dvec2 reach{0.0};
-  int width = 0, height = 0;      ///< of the image plane, in pixels
-  Regions regions;                ///< of the image plane
+  int width = 0, height = 0;  ///< of the image plane, in pixels
+  Layers layers;
+  Regions regions;                ///< of the image plane, or of those of all layers
   PixelRect reached;              ///< block of regions that voxels can reach, in region columns and rows
   bool in_parts = false;          ///< each Renderer gets neighbouring regions
   int dealt_to = 0;               ///< how many Renderers get regions; 0: all
@@ -39,7 +51,20 @@ struct FrameGeometry {
   int slices = 0;                 ///< in the traversed set
   std::optional<PlaneWarp> warp;  ///< from the screen to the image plane, when they differ
 
-  /// Owners of the reached regions among `renderers` Renderers.
+  const Regions& picture_regions() const { return layers.slices > 0 ? layers.picture : regions; }
+  int layer_of(int slice) const { return layers.slices > 0 ? slice / layers.slices : 0; }
+  /// Where pixels of the image plane are in a layer's; outside of all regions where none are.
+  PixelWindow in_layer(const PixelWindow& pixels, int layer) const {
+    if (layers.slices == 0) return pixels;
+    const std::int64_t y0 = std::max<std::int64_t>(pixels.y0, 0),
+                       y1 = std::min<std::int64_t>(pixels.y1, height - 1);
+    if (y0 > y1) return {-1, -1, -1, -1};
+    return {pixels.x0, y0 + layer * layers.height, pixels.x1, y1 + layer * layers.height};
+  }
+
+  /// Owners of the picture's regions: who draws them, or composites the layers that others have drawn there.
+  RegionOwners tile_owners(int renderers) const;
+  /// Who draws the reached regions, among `renderers` Renderers.
   RegionOwners owners(int renderers) const {
     if (!dealt.empty()) return RegionOwners(dealt);
     return regions.owners(reached, renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);

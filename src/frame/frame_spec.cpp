@@ -123,6 +123,9 @@ void check(const Sheets& sheets) {
                      fmt::format("use 1 to {} slabs a slice", Sheets::most_slabs));
   if (sheets.light_points != 1 && sheets.light_points != 2)
     throw InputError(fmt::format("--light-points cannot be {}", sheets.light_points), "use 1 or 2");
+  if (sheets.layers != 0 && sheets.layers < Sheets::least_layer)
+    throw InputError(fmt::format("--layers cannot be {}", sheets.layers),
+                     fmt::format("a layer has {} slices or more, 16 do well", Sheets::least_layer));
 }
 
 void check_mode(const Shown& shown, const Method& method) {
@@ -139,6 +142,9 @@ void check_mode(const Shown& shown, const Method& method) {
                      "leave out --interpolation nearest");
   if (!std::isfinite(shown.isovalue))
     throw InputError("--isovalue is not a finite number", "give a value of the volume");
+  if (const auto* const sheets = std::get_if<Sheets>(&method); sheets != nullptr && sheets->layers > 0)
+    throw InputError(fmt::format("--mode {} has no layers to composite", name(shown.mode)),
+                     "leave out --layers");
 }
 
 void check_clip_planes(const Shown& shown, const Method& method) {

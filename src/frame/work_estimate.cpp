@@ -149,6 +149,11 @@ WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
     }
     ++points_;
     shown_in[std::size_t(point[axis])] += stands_for;
+    if (g.layers.slices > 0) {
+      if (!(place.y >= 0 && place.y < g.height)) continue;
+      const int slice = std::clamp(int(std::lround(voxel[axis])), 0, g.slices - 1);
+      place.y += double(g.layer_of(slice)) * g.layers.height;
+    }
     deposit(place, work, point[axis]);
   }
   for (int y = 0; y < rows_; ++y) {
@@ -178,8 +183,15 @@ void WorkEstimate::make_cells(const FrameGeometry& g, const glm::dvec3& spacing)
     for (int k = 0; k < 3 && !g.view.eye; ++k) size += std::abs(g.view.linear[k][along]) * spacing[k];
     cell_[along] = std::max({size, least_cell, double(along == 0 ? g.width : g.height) / most_cells});
   }
+  double height = g.height;
+  if (g.layers.slices > 0) {
+    // Whole cells in each layer, fewer where layers are many.
+    const double layer = g.layers.height, most = std::max(most_cells / std::sqrt(g.layers.count), 4.0);
+    cell_.y = layer / std::max(1.0, std::floor(layer / std::max(cell_.y, layer / most)));
+    height = layer * g.layers.count;
+  }
   columns_ = int(std::ceil(g.width / cell_.x)) + 1;
-  rows_ = int(std::ceil(g.height / cell_.y)) + 1;
+  rows_ = int(std::ceil(height / cell_.y)) + 1;
   work_.assign(std::size_t(columns_) * std::size_t(rows_), 0);
   seen_.assign(work_.size(), 0);
 }

@@ -15,7 +15,7 @@ std::string to_string(NodeId id) {
 const char* name(Kind kind) {
   static constexpr const char* names[kinds] = {
       "announcement", "token", "payload", "accept",     "frame end",   "tile", "report",
-      "shutdown",     "stall", "credit",  "link query", "link report", "drop"};
+      "shutdown",     "stall", "credit",  "link query", "link report", "drop", "pixels"};
   const auto index = static_cast<std::uint8_t>(kind);
   return index < kinds ? names[index] : "unknown";
 }

@@ -38,9 +38,10 @@ enum class Kind : std::uint8_t {
   credit,        ///< rank → neighbour in a mesh: slots of one of its links to me are free again
   link_query,    ///< rank 0 → every rank, along the tree: a frame is complete; what did your links carry?
   link_report,   ///< rank → frame buffer: the answer
-  drop  ///< rank 0 → every rank, along the tree: nobody wants the frame any more; end it without its slices
+  drop,   ///< rank 0 → every rank, along the tree: nobody wants the frame any more; end it without its slices
+  pixels  ///< Renderer → Renderer, straight in a mesh, too: drawn layers of the receiver's tiles
 };
-inline constexpr std::uint8_t kinds = 13;
+inline constexpr std::uint8_t kinds = 14;
 const char* name(Kind kind);
 
 /// Which token, payload or accept a message is about.

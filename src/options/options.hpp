@@ -116,7 +116,7 @@ struct MethodOptions {
   Splats splats;
   std::optional<ImagePlane> image_plane;
   std::optional<double> samples;
-  std::optional<int> slabs, light_points;
+  std::optional<int> slabs, light_points, layers;
 };
 
 /// The quality's method with all that `options` say instead, as far as the method has it (contradictions.hpp

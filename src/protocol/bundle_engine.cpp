@@ -133,6 +133,7 @@ class BundleEncoder final : public EncoderDecorator {
   void add_part(int step, EncodedPart&& part, std::size_t renderer) {
     EncodedPart& all = joined_.parts[renderer];
     all.items += part.items;
+    all.kept += part.kept;
     all.passes += part.passes;
     all.tiles.insert(all.tiles.end(), part.tiles.begin(), part.tiles.end());
     const std::uint64_t bytes = Message::body_size(part.payload);
@@ -216,6 +217,9 @@ class BundleEngine final : public EngineDecorator {
       plan.owners.push_back(of_slices[std::size_t(bundles.begin(bundle))]);
       plan.slices_of_steps.push_back(bundles.slices(bundle));
     }
+    for (FramePlan::Share& share : plan.shares)
+      if (share.first < share.end)
+        share = {bundles.bundle_of(share.first), bundles.bundle_of(share.end - 1) + 1, share.takers};
     return plan;
   }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {

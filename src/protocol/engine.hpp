@@ -29,6 +29,12 @@ struct FramePlan {
   bool ascending = true;    ///< whether slice numbers ascend from step to step
   std::vector<int> owners;  ///< by traversal step: the GP that has its slice, or its bundle of slices
   std::vector<Tile> tiles;
+  /// What a Renderer has to do with layers of slices, which it draws for others' tiles.
+  struct Share {
+    int first = 0, end = 0;        ///< the steps whose slices it draws; none: it gets no token
+    std::vector<int> takers = {};  ///< ascending: Renderers that deliver tiles of which it draws layers
+  };
+  std::vector<Share> shares;         ///< by Renderer; empty: each draws its own tiles, of all slices
   int first_slice = 0;               ///< number of the first step's slice, or of its bundle's first
   std::vector<int> slices_of_steps;  ///< where steps are bundles: how many slices each has; empty: one
 
@@ -36,8 +42,13 @@ struct FramePlan {
     return slices_of_steps.empty() ? int(owners.size())
                                    : std::accumulate(slices_of_steps.begin(), slices_of_steps.end(), 0);
   }
-  /// By Renderer: whether it has a tile. Renderers without one get no token.
+  /// By Renderer: whether it draws anything. Those that do not get no token.
   std::vector<bool> drawing(int renderers) const {
+    if (!shares.empty()) {
+      std::vector<bool> has_steps;
+      for (const Share& share : shares) has_steps.push_back(share.first < share.end);
+      return has_steps;
+    }
     std::vector<bool> has_tile(std::size_t(renderers), false);
     for (const Tile& tile : tiles)
       if (tile.renderer != nobody) has_tile[std::size_t(tile.renderer)] = true;
@@ -49,6 +60,7 @@ struct FramePlan {
 struct EncodedPart {
   Bytes payload;             ///< made in Message::body_buffer(); empty: nothing to draw
   std::uint64_t items = 0;   ///< items in the payload; a Painter draws, clips or hides each
+  std::uint64_t kept = 0;    ///< of these, ones that the Renderer keeps from earlier frames
   std::uint32_t passes = 0;  ///< non-empty (tile, pass) pairs (Neumann 1992, Fig. 3)
   std::vector<int> tiles;    ///< tiles with items, ascending
 };
@@ -89,6 +101,7 @@ class Encoder {
 
 struct ItemCounts {
   std::uint64_t drawn = 0, clipped = 0, hidden = 0;
+  std::uint64_t kept = 0;     ///< of those drawn, ones that were kept from earlier frames
   std::uint64_t blocks = 0;   ///< of slices, looked through for what can be seen; splats have none
   std::uint64_t samples = 0;  ///< pixels of a slice that are composited, or of what lies between two slices
 };
@@ -120,6 +133,18 @@ class Painter {
   virtual ItemCounts counts() const = 0;  ///< of this frame so far
   /// Wall-clock seconds of compositing in this frame so far.
   virtual double composite_seconds() const { return 0; }
+  /// Of layers (FramePlan::shares): what taker `to` gets, once all is drawn; in a Message::body_buffer(), or
+  /// empty.
+  virtual Bytes hand_over(int to) {
+    static_cast<void>(to);
+    return {};
+  }
+  /// Takes what Renderer `from` has handed over, which stays valid until finish() is done. Throws RunError
+  /// when the bytes are no layers for this Renderer.
+  virtual void gather(int from, std::span<const std::byte> bytes) {
+    static_cast<void>(from);
+    static_cast<void>(bytes);
+  }
   /// Calls `deliver(tile, bytes)` for each tile that is not empty; the bytes come in a
   /// Message::body_buffer().
   virtual void finish(const std::function<void(int tile, Bytes bytes)>& deliver) = 0;

@@ -31,6 +31,8 @@ class PainterDecorator : public Painter {
   void news(int gp, Bytes& news) override { inner_->news(gp, news); }
   ItemCounts counts() const override { return inner_->counts(); }
   double composite_seconds() const override { return inner_->composite_seconds(); }
+  Bytes hand_over(int to) override { return inner_->hand_over(to); }
+  void gather(int from, std::span<const std::byte> bytes) override { inner_->gather(from, bytes); }
   void finish(const std::function<void(int tile, Bytes bytes)>& deliver) override { inner_->finish(deliver); }
 
  protected:

@@ -31,14 +31,14 @@ struct Frame {
       : number(announcement.frame),
         plan(engine.plan(announcement)),
         drawing(plan.drawing(renderers)),
-        tokens(int(std::count(drawing.begin(), drawing.end(), true))),
         encoder(engine.encoder(gp, announcement)),
         shown(encoder->shown()) {
     // With nothing to show, tokens still visit one step: Renderers wait to learn that no payload comes.
     if (shown.empty()) shown.push_back(0);
     for (const int step : shown)
       if (plan.owners[std::size_t(step)] == gp) steps.push_back(step);
-    if (tokens > 0) return;
+    for (int r = 0; r < renderers; ++r) tours.push_back(tour_of(r));
+    if (std::ranges::find(drawing, true) != drawing.end()) return;
     // The volume lies beside the picture.
     stats.voxels_outside = encoder->left_out(steps.size()).outside;
     steps.clear();
@@ -47,10 +47,14 @@ struct Frame {
   std::int64_t number;
   FramePlan plan;
   std::vector<bool> drawing;  ///< by Renderer: it has tiles, and a token
-  int tokens = 0;             ///< Renderers with a token
   std::unique_ptr<Encoder> encoder;
-  std::vector<int> shown;     ///< steps that tokens go through, ascending
-  std::vector<int> steps;     ///< those of `shown` that this GP owns
+  std::vector<int> shown;  ///< steps that tokens go through, ascending
+  std::vector<int> steps;  ///< those of `shown` that this GP owns
+  /// Shown steps through which a token goes, from the first to the last.
+  struct Tour {
+    int first, last;
+  };
+  std::vector<Tour> tours;    ///< by Renderer
   std::size_t next_step = 0;  ///< index into `steps` of the next to encode
   bool encoding = false;      ///< steps[next_step] is being encoded
   std::deque<PreparedSlice> prepared;
@@ -62,14 +66,30 @@ struct Frame {
   bool dropped = false;  ///< slices not yet sent are skipped
   NodeStats stats;
 
-  /// The shown step after `step`, if any.
-  std::optional<int> after(int step) const {
-    const auto next = std::upper_bound(shown.begin(), shown.end(), step);
-    return next == shown.end() ? std::nullopt : std::optional(*next);
+  /// The shown step after `step` to which a Renderer's token goes, if any.
+  std::optional<int> after(int step, int renderer) const {
+    if (step >= tours[std::size_t(renderer)].last) return std::nullopt;
+    return *std::upper_bound(shown.begin(), shown.end(), step);
+  }
+  /// How many tokens visit a step.
+  int visitors(int step) const {
+    int tokens = 0;
+    for (std::size_t r = 0; r < tours.size(); ++r)
+      if (drawing[r] && tours[r].first <= step && step <= tours[r].last) ++tokens;
+    return tokens;
   }
   PreparedSlice* find_slice(int step) {
     const auto found = std::ranges::find_if(prepared, [&](const PreparedSlice& s) { return s.step == step; });
     return found == prepared.end() ? nullptr : &*found;
+  }
+  /// Where a Renderer has nothing to show, its token visits a step nevertheless.
+  Tour tour_of(int renderer) const {
+    if (plan.shares.empty()) return {shown.front(), shown.back()};
+    const FramePlan::Share& share = plan.shares[std::size_t(renderer)];
+    const auto first = std::lower_bound(shown.begin(), shown.end(), share.first);
+    if (first == shown.end()) return {shown.back(), shown.back()};
+    const auto end = std::lower_bound(first + 1, shown.end(), share.end);
+    return {*first, *std::prev(end)};
   }
   bool done() const { return steps_done == steps.size() && left_behind.empty(); }
   /// What it waits for, in words; empty when for nothing.
@@ -106,8 +126,7 @@ class Gp final : public Node {
   NodeId id() const override { return {Role::gp, my_.index}; }
   void begin_frame(const Announcement& announcement) override {
     frames_.push_back(std::make_unique<Frame>(my_.index, announcement, my_.layout.renderers, my_.engine));
-    Frame& frame = *frames_.back();
-    if (!frame.steps.empty() && frame.steps.front() == frame.shown.front()) start_tokens(frame);
+    start_tokens(*frames_.back());
     finish_completed_frames();
   }
 
@@ -152,17 +171,17 @@ class Gp final : public Node {
   }
 
  private:
-  /// All tokens start at the owner of the front slice and visit slices in the traversal's order; that order
-  /// keeps a mesh free of contention (net/mesh.hpp).
+  /// Tokens start at the owner of the first slice that their Renderers draw, without layers the front slice,
+  /// and visit slices in the traversal's order; that order keeps a mesh free of contention (net/mesh.hpp).
   void start_tokens(Frame& frame) {
-    const int step = frame.shown.front();
-    auto& front = frame.waiting_tokens[step];
     for (int k = 0; k < my_.layout.renderers; ++k) {
-      const int renderer = frame.plan.ascending ? k : my_.layout.renderers - 1 - k;
-      if (frame.drawing[std::size_t(renderer)])
-        front.push_back({{step, renderer, 0}, credits_of(std::uint32_t(my_.options.slots))});
+      const int renderer = frame.plan.ascending ? k : my_.layout.renderers - 1 - k,
+                step = frame.tours[std::size_t(renderer)].first;
+      if (!frame.drawing[std::size_t(renderer)] || !std::ranges::binary_search(frame.steps, step)) continue;
+      frame.waiting_tokens[step].push_back(
+          {{step, renderer, 0}, credits_of(std::uint32_t(my_.options.slots))});
+      ++frame.stats.tokens_issued;
     }
-    frame.stats.tokens_issued = front.size();
   }
 
   Frame* find_frame(std::int64_t number) {
@@ -231,7 +250,7 @@ class Gp final : public Node {
   void pass_token(Frame& frame, PreparedSlice& slice, TokenFields token) {
     TokenPlace& place = token.place;
     --slice.tokens_left;
-    const std::optional<int> next = frame.after(slice.step);
+    const std::optional<int> next = frame.after(slice.step, place.renderer);
     if (!next) {
       ++frame.stats.tokens_retired;
       my_.post(Message(make_header(id(), {Role::renderer, place.renderer}, frame.number,
@@ -278,7 +297,7 @@ class Gp final : public Node {
     frame.stats.visible_voxels += encoded.counts.visible;
     frame.stats.voxels_outside += encoded.counts.outside;
     const int step = frame.steps[frame.next_step++];
-    frame.prepared.push_back({step, std::move(encoded.parts), frame.tokens, {}});
+    frame.prepared.push_back({step, std::move(encoded.parts), frame.visitors(step), {}});
     PreparedSlice& slice = frame.prepared.back();
     const auto waiting = frame.waiting_tokens.extract(step);
     if (waiting.empty()) return;

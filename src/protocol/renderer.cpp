@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <deque>
 #include <map>
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include "protocol/node.hpp"
 #include "ringsplat/base/error.hpp"
@@ -35,6 +37,7 @@ class Renderer final : public Node {
     const Header& h = message.header;
     Frame& frame = frame_of(h);
     if (h.kind == Kind::payload) return take_payload(frame, std::move(message));
+    if (h.kind == Kind::pixels) return take_pixels(frame, std::move(message));
     if (h.kind != Kind::frame_end) refuse(id(), h);
     if (frame.payloads_expected)
       throw RunError(fmt::format("{} was told twice that frame {} is complete", to_string(id()), h.frame));
@@ -47,13 +50,15 @@ class Renderer final : public Node {
     Frame& frame = frames_.front();
     if (frame.painter == nullptr) {
       frame.painter = my_.engine.painter(my_.index, frame.announcement);
-      // A Renderer without a tile has no token.
-      if (!my_.engine.plan(frame.announcement).drawing(my_.layout.renderers)[std::size_t(my_.index)])
-        frame.payloads_expected = 0;
+      begin(frame, my_.engine.plan(frame.announcement));
     }
     if (!frame.drawn()) return draw_some(frame) || prepare(frame);
     if (!frame.dropped && frame.painter->conclude())
       book({Activity::draw, frame.announcement.frame, -1});
+    else if (!std::exchange(frame.handed_over, true))
+      hand_over(frame);
+    else if (frame.gathered.size() < frame.givers)
+      return false;
     else
       deliver(frame);
     return true;
@@ -69,6 +74,9 @@ class Renderer final : public Node {
     if (!frame.payloads_expected)
       return fmt::format("{} waits for payload {} of frame {} or for its end", to_string(id()), frame.next,
                          number);
+    if (frame.drawn())
+      return fmt::format("{} waits for the layers of {} Renderers of {} of frame {}", to_string(id()),
+                         frame.givers - frame.gathered.size(), frame.givers, number);
     return fmt::format("{} waits for payload {} of {} of frame {}", to_string(id()), frame.next,
                        *frame.payloads_expected, number);
   }
@@ -82,6 +90,10 @@ class Renderer final : public Node {
     std::shared_ptr<Painter> painter;                ///< set only in the frame being drawn
     bool painting = false;                           ///< payload `next` is being drawn
     bool dropped = false;
+    std::vector<int> takers;          ///< Renderers that get layers from here
+    std::size_t givers = 0;           ///< how many Renderers send layers here
+    std::map<int, Message> gathered;  ///< by Renderer: the layers that have come
+    bool handed_over = false;
     NodeStats stats;
 
     bool drawn() const { return payloads_expected && next == *payloads_expected; }
@@ -107,6 +119,22 @@ class Renderer final : public Node {
           fmt::format("{} got payload {} of frame {} from {} while it had slots for those before {}",
                       to_string(id()), place.sequence, h.frame, to_string(h.from()), slots_end(frame)));
     if (place.sequence < slots_end(frame)) accept(frame, h);
+  }
+
+  void begin(Frame& frame, const FramePlan& plan) const {
+    // A Renderer that draws nothing has no token.
+    if (!plan.drawing(my_.layout.renderers)[std::size_t(my_.index)]) frame.payloads_expected = 0;
+    if (plan.shares.empty()) return;
+    frame.takers = plan.shares[std::size_t(my_.index)].takers;
+    for (const FramePlan::Share& share : plan.shares)
+      if (std::ranges::binary_search(share.takers, my_.index)) ++frame.givers;
+  }
+
+  void take_pixels(Frame& frame, Message message) {
+    const Header h = message.header;
+    if (!frame.gathered.emplace(h.source, std::move(message)).second)
+      throw RunError(fmt::format("{} got layers of frame {} twice from {}", to_string(id()), h.frame,
+                                 to_string(h.from())));
   }
 
   /// First sequence number without a slot. Slots go to payloads by number, not by arrival: those before an
@@ -160,9 +188,22 @@ class Renderer final : public Node {
     if (waiting != frame.payloads.end()) accept(frame, waiting->second.header);
   }
 
+  /// Who takes layers waits for a message from each that may have some, also in a frame that is dropped.
+  void hand_over(Frame& frame) {
+    const std::int64_t number = frame.announcement.frame;
+    for (const int taker : frame.takers) {
+      Bytes bytes = frame.dropped ? Bytes{} : frame.painter->hand_over(taker);
+      frame.stats.tile_bytes += Message::body_size(bytes);
+      my_.post(Message(make_header(Kind::pixels, id(), {Role::renderer, taker}, number), std::move(bytes)));
+    }
+    book({Activity::deliver, number});
+  }
+
   void deliver(Frame& frame) {
     NodeStats& stats = frame.stats;
     const std::int64_t number = frame.announcement.frame;
+    for (const auto& [from, layers] : frame.gathered)
+      if (!frame.dropped) frame.painter->gather(from, layers.body());
     if (!frame.dropped)
       frame.painter->finish([&](int tile, Bytes bytes) {
         ++stats.tiles;

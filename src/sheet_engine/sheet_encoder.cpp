@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -64,6 +65,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     if (labels_of_level_ != nullptr)
       labels_ = labels_of_level_->slice(axis(), slice_at(step), geometry().box);
     columns_ = CellRanges::blocks_along(slice_.width);
+    find_layers(step);
     states_ = blocks_.of(store_, geometry().box, axis(), slice_.index, frame_->reach(), frame_->transparent);
     counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height),
                .blocks = states_.size()};
@@ -96,7 +98,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
       }
     for (std::size_t region = 0; region < tile_marked_.size(); ++region)
       if (tile_marked_[region])
-        step.parts[std::size_t(owner_of(int(region)))].tiles.push_back(static_cast<int>(region));
+        step.parts[std::size_t(drawer_of(int(region)))].tiles.push_back(static_cast<int>(region));
     return step;
   }
 
@@ -113,12 +115,12 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
   /// The blocks for one Renderer.
   struct Part {
     std::vector<Said> said;  ///< ascending
-    std::uint32_t present = 0;
+    std::uint32_t present = 0, kept = 0;
     std::size_t bytes = 0;               ///< of voxels that are sent
     std::span<std::uint64_t> held = {};  ///< a bit for each block: whether the Renderer keeps its voxels
     void begin() {
       said.clear();
-      present = 0;
+      present = kept = 0;
       bytes = 0;
     }
     bool knows(std::uint32_t block) const { return !said.empty() && said.back().block == block; }
@@ -131,8 +133,22 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     }
   };
 
+  int drawer_of(int region) const { return frame_->owners.of(region); }
+
+  /// The layers that are drawn with a step's slice: of slabs at it, and for gradients beside it.
+  void find_layers(int step) {
+    const auto layer_of = [this](int at) {
+      return geometry().layer_of(slice_at(std::clamp(at, 0, geometry().slices - 1)));
+    };
+    std::tie(first_layer_, last_layer_) =
+        std::minmax(layer_of(step - frame_->reach()), layer_of(step + frame_->reach() - 1));
+  }
+
   int block_width(int column) const { return std::min(side, slice_.width - column * side); }
   int block_height(int row) const { return std::min(side, slice_.height - row * side); }
+  std::uint64_t voxels_of(int column, int row) const {
+    return std::uint64_t(block_width(column)) * std::uint64_t(block_height(row));
+  }
 
   /// Whether the cells behind a block can be visible.
   bool sees(const BlockState& state) const {
@@ -165,22 +181,29 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     const bool needed = state.needed || (labels_show_alone() && has_labels(column, row));
     if (!needed && state.transparent == elsewhere_) return;
     if (!geometry().clip_planes.empty() && cut_off(column, row)) return;
-    const PixelWindow window = windows_.of(column, row, slice_.index);
-    const PixelRect touched = geometry().regions.touched(window);
-    if (needed)
-      send(block, column, row, window, touched);
-    else
-      for_each_region(touched, [&](int, Part& part) {
-        if (!part.knows(block)) part.said.push_back({block, state.transparent});
-      });
+    const PixelWindow seen = windows_.of(column, row, slice_.index);
+    for (int layer = first_layer_; layer <= last_layer_; ++layer) {
+      const PixelWindow window = geometry().in_layer(seen, layer);
+      const PixelRect touched = geometry().regions.touched(window);
+      if (needed)
+        send(block, column, row, window, touched);
+      else
+        for_each_region(touched, [&](int, Part& part) {
+          if (!part.knows(block)) part.said.push_back({block, state.transparent});
+        });
+    }
+    if (needed) count(column, row, seen);
+  }
+
+  void count(int column, int row, const PixelWindow& seen) {
+    const bool outside = geometry().picture_regions().touched(seen).empty();
+    (outside ? counts_.outside : counts_.visible) += voxels_of(column, row);
   }
 
   void send(std::uint32_t block, int column, int row, const PixelWindow& window, const PixelRect& touched) {
     const bool seen = sees(states_[block]);
-    const auto voxels = std::uint64_t(block_width(column)) * std::uint64_t(block_height(row));
-    (touched.empty() ? counts_.outside : counts_.visible) += voxels;
     const std::uint8_t labelled = has_labels(column, row) ? block_labelled : 0;
-    const std::size_t bytes = voxels * (size_of(slice_.type) + (labelled != 0 ? 1 : 0));
+    const std::size_t bytes = voxels_of(column, row) * (size_of(slice_.type) + (labelled != 0 ? 1 : 0));
     for_each_region(touched, [&](int region, Part& part) {
       if (hidden(region, window)) return;
       tile_marked_[std::size_t(region)] = true;
@@ -189,7 +212,10 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
       part.said.push_back(
           {block, std::uint8_t(block_present | (seen ? cells_visible : 0) | (kept ? block_kept : labelled))});
       ++part.present;
-      if (!kept) part.bytes += bytes;
+      if (kept)
+        ++part.kept;
+      else
+        part.bytes += bytes;
     });
   }
 
@@ -212,7 +238,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
   void for_each_region(const PixelRect& block, Visit&& visit) {
     for (int y = block.y0; y < block.y1; ++y)
       for (int x = block.x0; x < block.x1; ++x) {
-        const int region = y * geometry().regions.columns() + x, renderer = owner_of(region);
+        const int region = y * geometry().regions.columns() + x, renderer = drawer_of(region);
         if (renderer != FramePlan::nobody) visit(region, parts_[std::size_t(renderer)]);
       }
   }
@@ -259,6 +285,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     out.payload.resize(before + part.bytes);
     copy_voxels(part, out.payload.data() + before);
     out.items = part.present;
+    out.kept = part.kept;
     out.passes = 1;
   }
 
@@ -319,7 +346,8 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
   int columns_ = 1;                              ///< of blocks
   std::span<const BlockState> states_;
   int next_row_ = 0;
-  std::uint8_t elsewhere_ = 0;  ///< the byte of blocks of which nothing is said
+  int first_layer_ = 0, last_layer_ = 0;  ///< that are drawn with the slice
+  std::uint8_t elsewhere_ = 0;            ///< the byte of blocks of which nothing is said
   EncodeCounts counts_;
   std::vector<Part> parts_;        ///< by Renderer
   std::vector<bool> tile_marked_;  ///< by region: has a block of the slice

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "sheet_engine/kept_blocks.hpp"
+#include "sheet_engine/layers.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 
 namespace ringsplat {
@@ -17,7 +18,9 @@ std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const 
   frame->geometry = make_geometry(spec, grid);
   if (dealer != nullptr) dealer->deal(spec, frame->geometry);
   frame->transparent = transparent_values(spec.shown);
+  frame->owners = frame->geometry.owners(renderers);
   frame->plan = plan_of(frame->geometry, dealing, renderers);
+  frame->plan.shares = shares_of_layers(*frame, renderers);
   return frame;
 }
 

@@ -16,6 +16,7 @@ struct SheetFrame {
   Shown shown;
   Sheets sheets;
   FrameGeometry geometry;
+  RegionOwners owners;  ///< of the geometry's regions: who draws them
   FramePlan plan;
   TransparentValues transparent;
 

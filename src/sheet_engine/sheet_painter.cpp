@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "engine_parts/frame_engine.hpp"
+#include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/block_windows.hpp"
+#include "sheet_engine/layers.hpp"
 #include "sheet_engine/place_map.hpp"
 #include "sheet_engine/projection.hpp"
 #include "sheet_engine/scalar_planes.hpp"
@@ -44,6 +46,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     tiles_.lay_out(geometry().regions, images_.owned());
     rays_ = make_sheet_rays(*frame_);
     windows_.emplace(geometry());
+    layers_.begin_frame(*frame_, renderer_);
     slabs_.clear();
     painting_ = 0;
     step_ = -1;
@@ -68,6 +71,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     read(payload);
     step_ = payload.step;
     counts_.drawn += payload_->header.present;
+    counts_.kept += payload_->kept;
     for (const BlockRow& row : payload_->rows) counts_.blocks += std::uint64_t(row.end - row.first);
   }
 
@@ -98,9 +102,19 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     return true;
   }
 
+  Bytes hand_over(int to) override {
+    Bytes bytes = Message::body_buffer();
+    append_layers(*frame_, images_, to, bytes);
+    return bytes;
+  }
+  void gather(int, std::span<const std::byte> bytes) override { layers_.add(bytes); }
+
   void finish(const std::function<void(int, Bytes)>& deliver) override {
     if (!frame_->composites()) colour_projection();
-    FramePainter::finish(deliver);
+    if (geometry().layers.slices > 0)
+      layers_.deliver(deliver);
+    else
+      FramePainter::finish(deliver);
   }
 
  private:
@@ -232,11 +246,12 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     tiles_.add_slab();
     bool any = false;
     const SheetPayload& payload = *payload_;
+    const int slice = frame_->slice_at(step_), layer = geometry().layer_of(slice);
     for (std::size_t row = 0; row < payload.rows.size(); ++row)
       for (int column = payload.rows[row].first; column < payload.rows[row].end; ++column)
         if ((payload.bytes[row][column - payload.rows[row].first] & cells_visible) != 0)
-          any |=
-              tiles_.mark(windows.of(column, payload.header.first_row + int(row), frame_->slice_at(step_)));
+          any |= tiles_.mark(
+              geometry().in_layer(windows.of(column, payload.header.first_row + int(row), slice), layer));
     if (!any) {
       tiles_.drop_slab();
       return;
@@ -308,8 +323,9 @@ class SheetPainter final : public FramePainter<SheetFrame> {
       RegionImage& image = images_.image(group.slot);
       const PixelRect& rect = image.rect();
       const int x = group.column * group_side, y = group.row * group_side;
+      const int above = geometry().layers.slices > 0 ? rect.y0 % geometry().layers.height : rect.y0;
       PixelGroup pixels{rect.x0 + x,
-                        rect.y0 + y,
+                        above + y,
                         std::min(group_side, rect.width() - x),
                         std::min(group_side, rect.height() - y),
                         image.pixels() + y * image.row_floats() + 4 * x,
@@ -319,6 +335,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   }
 
   VisibleTiles tiles_;
+  LayerSum layers_;
   SheetRays rays_;
   std::optional<SlabWindows> windows_;
   ProjectionColours colours_;                       ///< where slabs are not composited

@@ -48,7 +48,10 @@ SheetPayload read_sheet_payload(std::span<const std::byte> body, int width, int 
         throw no_payload("says of a block what cannot be");
       if (byte < block_present) continue;
       ++present;
-      if ((byte & block_kept) != 0) continue;
+      if ((byte & block_kept) != 0) {
+        ++payload.kept;
+        continue;
+      }
       const auto here = std::size_t(rows_here) * std::size_t(std::min(side, width - column * side));
       bytes_of_voxels += here * (size_of(type) + ((byte & block_labelled) != 0 ? 1 : 0));
     }

@@ -48,6 +48,7 @@ struct SheetPayload {
   std::vector<BlockRow> rows;              ///< from header.first_row on
   std::vector<const std::uint8_t*> bytes;  ///< by row: those of blocks first ... end - 1
   std::span<const std::byte> voxels;
+  std::uint32_t kept = 0;  ///< of the present blocks
 };
 
 /// Throws RunError unless `body` is a payload for slices of this width, height and type, and nothing else.

@@ -175,12 +175,12 @@ class MeasuringEncoder final : public EncoderDecorator {
   }
   EncodedStep finish() override {
     EncodedStep step = inner_->finish();
-    const std::vector<MeteredWork> work = meter_(step_, step.parts);
+    const std::vector<PaintWork> work = meter_(step_, step.parts);
     for (std::size_t r = 0; r < step.parts.size(); ++r) {
       EncodedPart& part = step.parts[r];
       if (part.payload.empty()) continue;
       part.payload = measured_payload({Message::body_size(part.payload), work[r]});
-      part.items -= work[r].kept;
+      part.items -= std::exchange(part.kept, 0);
     }
     return step;
   }

@@ -26,14 +26,9 @@ struct PaintWork {
   std::uint64_t blocks = 0, samples = 0;
 };
 
-/// With blocks that a Renderer keeps from earlier frames; these are looked at only.
-struct MeteredWork : PaintWork {
-  std::uint64_t kept = 0;
-};
-
 /// Counts what a slice's payloads will take Painters, in the units of the engine that made them, by Renderer.
 /// `parts`: what an encoder that knows of no opaque pixels made of the slice of `step`.
-using Meter = std::function<std::vector<MeteredWork>(int step, const std::vector<EncodedPart>& parts)>;
+using Meter = std::function<std::vector<PaintWork>(int step, const std::vector<EncodedPart>& parts)>;
 
 /// Of splats, the pixels that are composited: as whole windows of kernels, so a few more than are. Each voxel
 /// stands for `voxel_weight` of its slice.

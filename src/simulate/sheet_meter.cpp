@@ -26,7 +26,7 @@ class SampleCounter {
   /// `finer`: as of BlockWindows.
   explicit SampleCounter(const SheetFrame& frame, int finer = 1)
       : frame_(frame), windows_(frame.geometry, finer) {
-    for (int region = 0; region < int(frame.plan.tiles.size()); ++region)
+    for (int region = 0; region < frame.geometry.regions.count(); ++region)
       if (renderer_of(region) != FramePlan::nobody) drawn_.push_back(region);
     for (VisibleTiles* tiles : {&before_, &behind_}) tiles->lay_out(frame.geometry.regions, drawn_);
   }
@@ -42,8 +42,11 @@ class SampleCounter {
   /// Adds a block with visible cells.
   void add(int column, int row) {
     const int slice = frame_.slice_at(step_);
-    if (step_ == 0) before_.mark(windows_.before_first.of(column, row, slice));
-    behind_.mark(windows_.behind(step_).of(column, row, slice));
+    const auto mark = [&](VisibleTiles& tiles, const BlockWindows& windows) {
+      tiles.mark(frame_.geometry.in_layer(windows.of(column, row, slice), frame_.geometry.layer_of(slice)));
+    };
+    if (step_ == 0) mark(before_, windows_.before_first);
+    mark(behind_, windows_.behind(step_));
   }
   /// By Renderer.
   std::vector<std::uint64_t> samples(std::size_t renderers) const {
@@ -56,7 +59,7 @@ class SampleCounter {
   }
 
  private:
-  int renderer_of(int region) const { return frame_.plan.tiles[std::size_t(region)].renderer; }
+  int renderer_of(int region) const { return frame_.owners.of(region); }
 
   const SheetFrame& frame_;
   SlabWindows windows_;
@@ -70,8 +73,8 @@ class SheetMeter {
   explicit SheetMeter(std::shared_ptr<const SheetFrame> frame)
       : frame_(std::move(frame)), samples_(*frame_) {}
 
-  std::vector<MeteredWork> operator()(int step, const std::vector<EncodedPart>& parts) {
-    std::vector<MeteredWork> work(parts.size());
+  std::vector<PaintWork> operator()(int step, const std::vector<EncodedPart>& parts) {
+    std::vector<PaintWork> work(parts.size());
     samples_.begin(step);
     for (std::size_t r = 0; r < parts.size(); ++r)
       if (!parts[r].payload.empty())
@@ -83,19 +86,18 @@ class SheetMeter {
 
  private:
   /// The blocks that the payload has a byte for.
-  MeteredWork look_at(std::span<const std::byte> body) {
+  PaintWork look_at(std::span<const std::byte> body) {
     const Grid& grid = frame_->geometry.grid;
     const Axis axis = frame_->geometry.traversal.axis;
     const SheetPayload payload =
         read_sheet_payload(body, grid.slice_width(axis), grid.slice_height(axis), grid.type);
-    MeteredWork work;
+    PaintWork work;
     for (std::size_t row = 0; row < payload.rows.size(); ++row) {
       const auto [first, end] = payload.rows[row];
       work.blocks += std::uint64_t(end - first);
       for (int column = first; column < end; ++column) {
         const std::uint8_t said = payload.bytes[row][column - first];
         if ((said & cells_visible) != 0) samples_.add(column, payload.header.first_row + int(row));
-        if (said >= block_present && (said & block_kept) != 0) ++work.kept;
       }
     }
     return work;

@@ -95,7 +95,7 @@ class ChargedEncoder final : public EncoderDecorator {
     if (!sheets_)
       return encoding_seconds(machine_, double(step.counts.voxels), double(step.counts.visible), step.slices);
     double sent = 0;
-    for (const EncodedPart& part : step.parts) sent += double(part.items);
+    for (const EncodedPart& part : step.parts) sent += double(part.items - part.kept);
     return selecting_seconds(machine_, double(step.counts.blocks), sent, step.slices);
   }
 
@@ -132,18 +132,32 @@ class ChargedPainter final : public PainterDecorator {
     return !debt_.pay() && !(slices_kept_ > most_slices_kept && pay_for_samples());
   }
   bool conclude() override { return inner_->conclude() || pay_for_samples(); }
+  Bytes hand_over(int to) override {
+    Bytes bytes = inner_->hand_over(to);
+    charge_pixels(Message::body_size(bytes), half_pixel);
+    return bytes;
+  }
+  void gather(int from, std::span<const std::byte> bytes) override {
+    charge_pixels(bytes.size(), half_pixel);
+    inner_->gather(from, bytes);
+  }
   void finish(const std::function<void(int, Bytes)>& deliver) override {
     inner_->finish([&](int tile, Bytes bytes) {
-      constexpr double bytes_of_pixel = 4 * sizeof(float);
-      charge(machine_.renderer.pixel * double(Message::body_size(bytes)) / bytes_of_pixel);
+      charge_pixels(Message::body_size(bytes), float_pixel);
       deliver(tile, std::move(bytes));
     });
   }
 
  private:
+  static constexpr double half_pixel = 8, float_pixel = 16;  ///< bytes
+  void charge_pixels(std::size_t bytes, double bytes_of_pixel) const {
+    charge(machine_.renderer.pixel * double(bytes) / bytes_of_pixel);
+  }
+
   void owe_for_payload(const ItemCounts& now) {
-    const double items = double(now.drawn + now.clipped - before_.drawn - before_.clipped),
-                 blocks = double(now.blocks - before_.blocks),
+    // What is kept is looked at only.
+    const auto placed = [](const ItemCounts& counts) { return counts.drawn + counts.clipped - counts.kept; };
+    const double items = double(placed(now) - placed(before_)), blocks = double(now.blocks - before_.blocks),
                  samples = double(now.samples - before_.samples);
     if (!sheets_) {
       debt_.owe(drawing_seconds(machine_, items, double(passes_), samples, slices_));

@@ -71,8 +71,8 @@ class SplatMeter {
     for (int region = 0; region < regions.count(); ++region) pixels_.emplace_back(regions.rect(region));
   }
 
-  std::vector<MeteredWork> operator()(int step, const std::vector<EncodedPart>& parts) {
-    std::vector<MeteredWork> work(parts.size());
+  std::vector<PaintWork> operator()(int step, const std::vector<EncodedPart>& parts) {
+    std::vector<PaintWork> work(parts.size());
     slice_ = geometry().traversal.slice_at(step, geometry().slices);
     for (std::size_t r = 0; r < parts.size(); ++r) {
       if (parts[r].payload.empty()) continue;

@@ -29,6 +29,7 @@ struct ToyFrame {
   int spare_pieces = 0;              ///< pieces of work that a painter does while it waits
   int bundle = 1;                    ///< slices that a GP gets together
   int first_slice = 0;               ///< in the volume, of which the frame shows a part
+  int layer = 0;                     ///< steps of a layer, one for each Renderer; 0: there are none
 
   /// The slice of a step, in the volume.
   int slice(int step) const { return first_slice + (ascending ? step : steps - 1 - step); }
@@ -120,6 +121,13 @@ class ToyPainter final : public Painter {
     append(news, gp);
   }
   ItemCounts counts() const override { return {.drawn = steps.size()}; }
+  /// The steps drawn.
+  Bytes hand_over(int) override {
+    Bytes bytes = Message::body_buffer();
+    for (const int step : steps) append(bytes, step);
+    return bytes;
+  }
+  void gather(int from, std::span<const std::byte> bytes) override { gathered[from] = bytes.size(); }
   /// A tile is the list of drawn steps, padded with −1.
   void finish(const std::function<void(int, Bytes)>& deliver) override {
     for (int tile = renderer_; tile < frame_.tiles; tile += frame_.renderers) {
@@ -131,7 +139,8 @@ class ToyPainter final : public Painter {
     }
   }
 
-  std::vector<int> steps;  ///< steps drawn, in order
+  std::vector<int> steps;               ///< steps drawn, in order
+  std::map<int, std::size_t> gathered;  ///< by Renderer: bytes that it handed over
 
  private:
   int renderer_;
@@ -154,6 +163,12 @@ class ToyEngine final : public Engine {
     plan.first_slice = frame.slice(0);
     for (int tile = 0; tile < frame.tiles; ++tile)
       plan.tiles.push_back({tile % frame.renderers, std::size_t(frame.steps) * sizeof(int)});
+    for (int r = 0; r < frame.renderers && frame.layer > 0; ++r) {
+      FramePlan::Share& share = plan.shares.emplace_back();
+      share = {std::min(r * frame.layer, frame.steps), std::min((r + 1) * frame.layer, frame.steps)};
+      for (int taker = 0; taker < std::min(frame.tiles, frame.renderers); ++taker)
+        share.takers.push_back(taker);
+    }
     return plan;
   }
   std::unique_ptr<Encoder> encoder(int, const Announcement& a) override {

@@ -1,9 +1,12 @@
+#include <array>
 #include <cstring>
 #include <random>
 
+#include "base/byte_stream.hpp"
 #include "base/thread_team.hpp"
 #include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
+#include "sheet_engine/layers.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/slice_blocks.hpp"
@@ -111,4 +114,49 @@ TEST_CASE("a step that the traversal does not have is refused") {
   painter->begin_frame(frame);
   CHECK_THROWS_AS(painter->begin({.step = 9, .body = body}), RunError);
   CHECK_THROWS_AS(painter->begin({.step = -1, .body = body}), RunError);
+}
+
+TEST_CASE("layers are composited from the front, and refused when they are anything else") {
+  FrameSpec spec = oblique_view(60, 60, 0);
+  spec.shown.camera = {.azimuth = 10, .elevation = 75};
+  spec.how = Sheets{.layers = 4};
+  const auto frame = make_sheet_frame(spec, make_grid({35, 20, 9}), 1, 1);
+  REQUIRE(frame->geometry.layers.count == 3);
+  const int tiles = frame->geometry.layers.picture.count();
+  const bool ascending = frame->geometry.traversal.ascending;
+  // Pixels 5 and 6 of tile 1 in the front layer and the last, the last one first.
+  Bytes bytes;
+  for (const int layer : {ascending ? 2 : 0, ascending ? 0 : 2}) {
+    append(bytes, std::int64_t(layer * tiles + 1));
+    append(bytes, std::uint64_t{8 + 2 * 8});
+    append(bytes, std::array<std::uint32_t, 2>{5, 2});
+    constexpr std::uint16_t quarter = 0x3400, half = 0x3800, one = 0x3c00;
+    append(bytes, std::array<std::uint16_t, 8>{quarter, half, 0, half, one, 0, 0, one});
+  }
+  LayerSum sum;
+  const auto composite = [&](std::span<const std::byte> some) {
+    int delivered = -1;
+    std::vector<float> rgba;
+    sum.begin_frame(*frame, 0);
+    sum.add(some);
+    sum.deliver([&](int tile, const Bytes& body) {
+      delivered = tile;
+      rgba.resize((body.size() - sizeof(Header)) / sizeof(float));
+      std::memcpy(rgba.data(), body.data() + sizeof(Header), rgba.size() * sizeof(float));
+    });
+    return std::pair(delivered, std::vector<float>(rgba.begin() + 20, rgba.begin() + 28));
+  };
+  const auto [tile, pixels] = composite(bytes);
+  CHECK(tile == 1);
+  CHECK(pixels == std::vector<float>{0.375F, 0.75F, 0, 0.75F, 1, 0, 0, 1});
+
+  CHECK_THROWS_WITH(composite(std::span(bytes).first(60)), Catch::Contains("no layers of its tiles"));
+  constexpr std::size_t place_of_run = 16;  // another one may be right
+  for (std::size_t at = 0; at < 24; ++at)
+    for (const auto value : {std::byte{0xff}, std::byte{0x7f}}) {
+      if (at == place_of_run) continue;
+      Bytes damaged = bytes;
+      damaged[at] = value;
+      CHECK_THROWS_AS(composite(damaged), RunError);
+    }
 }

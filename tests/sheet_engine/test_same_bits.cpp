@@ -83,6 +83,7 @@ TEST_CASE("sheets draw the same bits for any ranks, regions, roles and order of 
     Interpolation interpolation;
   } const cases[] = {{{}, Interpolation::linear},
                      {{ImagePlane::slices, 2}, Interpolation::linear},
+                     {{.layers = 9}, Interpolation::linear},
                      {{}, Interpolation::nearest}};
   for (const Camera& camera : views)
     for (const auto& [sheets, interpolation] : cases) {

@@ -123,6 +123,10 @@ struct Sheets {
   int light_points = 2;  ///< where a slab is lit: at its opacity's centroid, or at centroid ± spread
   /// Take one slab or one light point where two would hardly differ (docs/sheets.md).
   bool adaptive = true;
+  /// Slices of a layer that is drawn for itself; the layers' pixels are then composited. 0: all slices are
+  /// drawn together. Only Mode::composite has layers.
+  int layers = 0;
+  static constexpr int least_layer = 4;
   bool operator==(const Sheets&) const = default;
 };
 
