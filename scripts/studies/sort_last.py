@@ -7,7 +7,7 @@ Writes FOLDER/sort_last.csv, a row for each run as it comes, draws it into FOLDE
     large    along an axis, of 1024³ voxels at 1024²
     views    on 64 ranks along an axis, turned further, and from an eye
     sparse   on 64 ranks a shell of 3 % of the voxels
-    layers   some of these rows with layers of so many slices, whose pictures do not depend on the ranks
+    layers   some of these rows by the program's --layers, which draws them
 
 Frames turn by two degrees: of the first one all voxels are new to who draws them, of a later one they are kept. Both sides draw with the
 same encoder and painter. Sort-last: sections with as many slices each or with the same cost, radix-k, ranks put on hosts one after
@@ -39,8 +39,8 @@ FRAMES, REAL_FRAMES, TURN = 5, 7, 2
 VIEWS = {"axis": (0, 90, 0), "30/20": (30, 20, 0), "36/35": (36, 35, 0), "eye, 30/20": (30, 20, 40)}
 SCENES = {"ball": 0.32, "shell": 0.03}
 # Ranks, scene, view and slices of a layer.
-LAYERS = [(64, "ball", "30/20", 8), (64, "ball", "30/20", 16), (64, "ball", "30/20", 32), (16, "ball", "30/20", 16), (16, "ball", "30/20", 32),
-          (256, "ball", "30/20", 16), (256, "ball", "30/20", 32), (64, "ball", "axis", 16), (64, "shell", "30/20", 16)]
+LAYERS = [(16, "ball", "30/20", 16), (64, "ball", "30/20", 8), (64, "ball", "30/20", 16), (64, "ball", "30/20", 32),
+          (256, "ball", "30/20", 16), (64, "ball", "axis", 16), (64, "shell", "30/20", 16)]
 
 
 def real_rings(ranks):
@@ -162,15 +162,14 @@ class Study(Rows):
         layout = f"{ranks} colocated" if roles["roles"] == "colocated" else f"{roles['gps']}+{roles['renderers']}"
         self.note(common | self.of_ring(frames) | {"setting": layout})
 
-    def simulated_sections(self, network, ranks, size, volume, view, even, *layers):
-        drawn, frames = (size, 3) if layers else (DRAWN, FRAMES)
-        weight = (size // drawn) ** 2
+    def simulated_sections(self, network, ranks, size, volume, view, even):
+        weight = (size // DRAWN) ** 2
         machine = slower(MACHINES / network, weight, self.path(f"{weight}-{network}"))
         config = self.path("ranks.toml")
         with open(config, "w", encoding="utf-8") as file:
             file.write(f'machine = "{machine}"\nroles = "colocated"\ngps = {ranks}\nrenderers = {ranks}\n')
         blend, compress = self.costs_of_icet()
-        said = run_simulation(config, *volume, *self.race_view(view, frames), "--size", drawn, "--pixel-weight", weight, *layers,
+        said = run_simulation(config, *volume, *self.race_view(view, FRAMES), "--size", DRAWN, "--pixel-weight", weight,
                               "--blend-seconds-per-byte", blend, "--compress-seconds-per-pixel", compress,
                               *(["--even"] if even else []), monitors={"other": BUILD / "sort_last_smpi.so"})
         return [json.loads(line) for line in said.splitlines()] or fail(f"{ranks} simulated ranks drew nothing of {view}")
@@ -197,9 +196,12 @@ class Study(Rows):
     def layers(self):
         for ranks, scene, view, slices in LAYERS:
             for network in NETWORKS if ranks <= self.most_ranks else ():
-                frames = self.simulated_sections(network, ranks, 512, self.scene(scene, 512), view, False, "--layers", slices)
+                settings = {"machine": str(MACHINES / network), "frames-in-flight": 1, "quality": "best", "roles": "colocated", "gps": ranks,
+                            "renderers": ranks}
+                frames = simulate(settings, *self.scene(scene, 512), *self.ring_view(view, FRAMES), "--size", 512, "--layers", slices,
+                                  monitors={"ranks": ranks, "map_by": "node"})
                 self.note({"study": "layers", "machine": network, "ranks": ranks, "scene": scene, "view": view, "voxels": 512, "picture": 512} |
-                          self.of_sections(frames) | {"program": "layers", "setting": slices})
+                          self.of_ring(frames) | {"program": "layers", "setting": slices})
 
 
 COLOURS = {"ring": "#0072B2", "sort-last": "#D55E00"}

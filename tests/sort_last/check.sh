@@ -38,21 +38,6 @@ for case in "1 0 90" "1 30 20" "1 250 -50" "1 30 20 --fov 40" "3 0 -90" "3 30 20
   "$program" compare sections.exr ring.exr --fail-above "$most" >/dev/null || fail "sheets, $case: another picture"
 done
 
-# Layers: the same bits on any ranks, whose pictures are the program's but for seams and halves.
-for case in "30 20 --layers 16" "250 -50 --layers 5 --floats --fov 40"; do
-  read -r azimuth elevation options <<<"$case"
-  view=(--azimuth "$azimuth" --elevation "$elevation")
-  projection=()
-  if [[ $options == *--fov* ]]; then projection=(--projection perspective); fi
-  for ranks in 1 2 3; do
-    # shellcheck disable=SC2086  # words
-    "$mpiexec" -n "$ranks" "$sort_last" "$head" --tf tf.json "${sheets[@]}" "${view[@]}" $options --frames 2 -o layers.exr >"layers$ranks"
-  done
-  [[ $(cat layers[123] | grep -o '"picture": .*' | sort -u | wc -l) == 1 ]] || fail "$case: pictures depend on ranks or frames"
-  "$program" render "$head" --quality best --fit sphere --size 128 "${view[@]}" "${projection[@]}" --tf tf.json -o ring.exr >/dev/null
-  "$program" compare layers.exr ring.exr --fail-above 0.4 >/dev/null || fail "$case: another picture"
-done
-
 [[ -n ${6:-} ]] || exit 0
 printf 'machine = "mpi_configs/machines/ethernet-cluster.toml"\nroles = "colocated"\ngps = 16\nrenderers = 16\n' >ranks.toml
 items() { grep -o '"items": [0-9]*' "$1"; }

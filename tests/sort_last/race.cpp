@@ -1,6 +1,5 @@
 /// Sort-last rendering, to be raced against the ring: every rank draws the picture of a section of slices
-/// with the renderer's own painter, and IceT composites the pictures; or ranks draw layers of so many slices,
-/// and those that own the picture's regions composite them. On real ranks, or on SimGrid's.
+/// with the renderer's own painter, and IceT composites the pictures. On real ranks, or on SimGrid's.
 #include <IceT.h>
 #include <fmt/format.h>
 #include <mpi.h>
@@ -23,7 +22,6 @@
 #include "ringsplat/formats/open.hpp"
 #include "simulate/charge.hpp"
 #include "sort_last/icet_communicator.hpp"
-#include "sort_last/layers.hpp"
 #include "sort_last/section_painter.hpp"
 #include "volume/cell_ranges.hpp"
 
@@ -33,8 +31,7 @@ namespace {
 struct Options {
   std::string volume, transfer_function, output, strategy = "radixk", machine;
   int size = 512, region = 0, frames = 1;
-  bool even = false, floats = false;
-  int layers = 0;
+  bool even = false;
   double turn = 0;
   double voxel_weight = 1;
   int pixel_weight = 1;
@@ -65,8 +62,6 @@ Options options_of(int argc, char** argv) {
   app.add_option("--strategy", o.strategy)->check(CLI::IsMember({"bswap", "radixk", "tree"}));
   app.add_option("--frames", o.frames)->check(CLI::PositiveNumber);
   app.add_flag("--even", o.even, "sections that cost the same, by a frame that is drawn before");
-  app.add_option("--layers", o.layers, "slices of a layer")->check(CLI::PositiveNumber);
-  app.add_flag("--floats", o.floats, "layers' pixels travel as floats, not halves");
   app.add_option("--machine", o.machine, "what is simulated");
   app.add_option("--voxel-weight", o.voxel_weight);
   app.add_option("--pixel-weight", o.pixel_weight)->check(CLI::PositiveNumber);
@@ -87,10 +82,7 @@ Options options_of(int argc, char** argv) {
     o.spec.how = splats;
   else
     o.spec.how = sheets_of(Quality::best);
-  o.spec.division.region_size = o.layers > 0 ? layer_region : o.region;
-  if (o.layers > 0 && (engine != Sheets::name || o.pixel_weight > 1))
-    throw InputError("layers are of sheets, and all their pixels are drawn",
-                     "use --engine sheets without --pixel-weight");
+  o.spec.division.region_size = o.region;
   check(o.spec);
   return o;
 }
@@ -162,12 +154,6 @@ class Race {
       find_range();
     else
       traversal_.axis = Axis::z;
-    if (o.layers > 0) {
-      layers_ = make_layers({*source_, machine_, low_, high_, o.layers, !o.floats, o.blend_seconds_per_byte,
-                             o.compress_seconds_per_pixel},
-                            o.spec, comm);
-      return;
-    }
     take_section(section_of(rank_, ranks_, source_->grid().slices(traversal_.axis)));
     const IceTCommunicator communicator = make_icet_communicator(comm, traffic_);
     context_ = icetCreateContext(communicator);
@@ -178,7 +164,6 @@ class Race {
   }
 
   Frame frame() {
-    if (layers_) return layered_frame();
     const Image before(o_.size, o_.size);
     picture_ = before;
     const Traffic passed = traffic_;
@@ -199,27 +184,11 @@ class Race {
     return f;
   }
 
-  double slice_memory() const { return double(layers_ ? layers_->slice_memory() : painter_->slice_memory()); }
+  double slice_memory() const { return double(painter_->slice_memory()); }
   const Image& picture() const { return picture_; }
 
  private:
   bool of_sheets() const { return std::holds_alternative<Sheets>(o_.spec.how); }
-
-  Frame layered_frame() {
-    MPI_Barrier(comm_);
-    const double start = MPI_Wtime();
-    const LayersDrawn drawn = layers_->draw(o_.spec, picture_);
-    o_.spec.shown.camera.azimuth += o_.turn;
-    ++o_.spec.frame;
-    const double seconds = MPI_Wtime() - start;
-    return {.seconds = seconds,
-            .painting = drawn.painting,
-            .compositing = seconds - drawn.painting,
-            .items = drawn.items,
-            .pixels = drawn.pixels,
-            .messages = drawn.messages,
-            .bytes = drawn.bytes};
-  }
 
   void take_section(const Section& section) {
     painter_.reset();
@@ -281,7 +250,6 @@ class Race {
   Traversal traversal_;                       ///< its axis: that of the sections
   double low_ = INFINITY, high_ = -INFINITY;  ///< of the volume's values
   std::unique_ptr<SectionPainter> painter_;
-  std::unique_ptr<Layers> layers_;  ///< instead
   IceTContext context_ = nullptr;
   Image picture_;
 };
@@ -315,8 +283,7 @@ void run(int argc, char** argv, MPI_Comm comm) {
     const double memory_most = most(memory), memory_sum = sum(memory), slices = sum(race.slice_memory());
     if (rank == 0)
       lines += fmt::format(
-          "{{\"ranks\": {}, \"strategy\": \"{}\", \"even\": {}, \"layers\": {}, \"seconds\": {:.9g}, "
-          "\"painting_most\": "
+          "{{\"ranks\": {}, \"strategy\": \"{}\", \"even\": {}, \"seconds\": {:.9g}, \"painting_most\": "
           "{:.9g}, "
           "\"painting_mean\": {:.9g}, \"compositing\": {:.9g}, \"blending\": {:.9g}, \"compressing\": "
           "{:.9g}, "
@@ -324,9 +291,8 @@ void run(int argc, char** argv, MPI_Comm comm) {
           "{:.0f}, "
           "\"memory_most\": {:.0f}, \"memory_sum\": {:.0f}, \"slice_memory\": {:.0f}, \"picture\": "
           "\"{:016x}\"}}\n",
-          ranks, o.strategy, o.even, o.layers, seconds, painting, mean, compositing, blending, compressing,
-          items, pixels, messages, bytes, most_bytes, memory_most, memory_sum, slices,
-          hash_of(race.picture()));
+          ranks, o.strategy, o.even, seconds, painting, mean, compositing, blending, compressing, items,
+          pixels, messages, bytes, most_bytes, memory_most, memory_sum, slices, hash_of(race.picture()));
   }
   if (rank == 0) fmt::print("{}", lines);
   if (rank == 0 && !o.output.empty()) write_image(race.picture(), o.output, std::nullopt, {});

@@ -157,7 +157,6 @@ void finish(Painter& painter, const Regions& regions, const SectionSetup& setup,
                     : PixelRect{std::min(reached.x0, rect.x0), std::min(reached.y0, rect.y0),
                                 std::max(reached.x1, rect.x1), std::max(reached.y1, rect.y1)};
     first = false;
-    drawn.regions.push_back(tile);
     if (setup.machine)
       drawn.seconds +=
           setup.machine->renderer.pixel * setup.pixel_weight * double(rect.width()) * double(rect.height());

@@ -30,7 +30,6 @@ struct Drawn {
   double seconds = 0;         ///< on the machine, of what was not charged yet
   std::vector<double> costs;  ///< by slice of the volume: seconds on the machine, or in proportion to them
   PixelRect reached;          ///< the part of the picture outside of which it is transparent
-  std::vector<int> regions;   ///< of the frame, those with anything in them
 };
 
 /// Draws whole pictures of contiguous slices with the renderer's own encoder and painter: what a rank does in
@@ -51,8 +50,6 @@ struct SectionSetup {
   Section section;
   std::optional<Machine> machine;
   double voxel_weight = 1, pixel_weight = 1;
-  Section regions = {};  ///< of sheets' frame: only these are drawn; none: all are
-  bool first = true;     ///< of its rank's sections: what a frame costs once is charged
 };
 
 /// Of z slices, drawn by splats. Reads the section, and for normals the slices next to it.
@@ -64,11 +61,6 @@ std::unique_ptr<SectionPainter> make_splat_section(const SectionSetup& setup, bo
 /// `high`. Voxels stand for themselves.
 std::unique_ptr<SectionPainter> make_sheet_section(const SectionSetup& setup, Axis axis, double low,
                                                    double high);
-
-/// What drawing each region of a frame of such a section costs, in seconds of the machine or in proportion to
-/// them, when it is drawn for the first time; and, behind them, what its slices cost whoever draws any.
-std::vector<double> region_costs(const SectionSetup& setup, Axis axis, double low, double high,
-                                 const FrameSpec& spec);
 
 /// Puts a painter's finished tiles of `regions` into the picture and notes what they cover and cost.
 void finish(Painter& painter, const Regions& regions, const SectionSetup& setup, Image& picture,

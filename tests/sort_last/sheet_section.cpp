@@ -2,12 +2,10 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "base/thread_team.hpp"
-#include "engine_parts/frame_engine.hpp"
 #include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/kept_blocks.hpp"
@@ -82,81 +80,39 @@ class SheetSection final : public SectionPainter {
     SliceRanges ranges;
     ranges[std::size_t(axis)].push_back({axis, 0, low, high});
     store_.know_ranges(std::make_shared<const SliceRanges>(ranges));
-    placed_.resize(std::size_t(store_.grid().slices(axis)));
   }
 
   Drawn draw(const FrameSpec& spec, Image& picture) override {
     Drawn drawn;
     drawn.costs.resize(std::size_t(whole_.slices(axis_)));
     if (setup_.section.slices() < 1) return drawn;
-    const auto frame = frame_of(spec);
+    const auto frame = make_sheet_frame(spec, whole_, 1, 1);
     if (frame->geometry.traversal.axis != axis_)
       throw InputError("the view does not traverse the slices of which the sections are",
                        "use a smaller --turn");
-    const auto part = part_of(*frame_of(counted(spec)), box_);
+    const auto part = part_of(*make_sheet_frame(counted(spec), whole_, 1, 1), box_);
     const auto encoder =
         make_sheet_encoder(part, 1, store_, blocks_, false, setup_.machine ? nullptr : &kept_);
     const Meter meter = setup_.machine ? make_sheet_meter(part) : nullptr;
     if (!painter_) painter_ = make_sheet_painter(0, 1, threads_);
     painter_->begin_frame(frame);
-    if (const auto& m = setup_.machine; m && setup_.first)
-      drawn.seconds = m->gp.frame + m->renderer.frame + m->sheets.table;
+    if (const auto& m = setup_.machine) drawn.seconds = m->gp.frame + m->renderer.frame + m->sheets.table;
     const auto [first, end] = own_steps(frame->geometry);
     for (int step = std::max(first - drawn_before, 0);
          step < std::min(end + drawn_behind, frame->geometry.slices); ++step)
       draw_step(step, step >= first && step < end, *frame, *part, *encoder, meter, drawn);
     while (painter_->conclude()) continue;
     finish(*painter_, frame->geometry.regions, setup_, picture, drawn);
+    placed_ = true;
     // Simulated ranks draw one after another, so that one of them only needs planes.
     if (setup_.machine) painter_.reset();
     charge(drawn.seconds);
     return drawn;
   }
 
-  std::vector<double> region_costs(const FrameSpec& spec) {
-    auto all = std::make_shared<SheetFrame>(*make_sheet_frame(spec, whole_, 1, 1));
-    const int regions = all->geometry.regions.count();
-    std::vector<double> costs(std::size_t(regions) + 1);
-    all->geometry.dealt.resize(std::size_t(regions));
-    std::iota(all->geometry.dealt.begin(), all->geometry.dealt.end(), 0);
-    all->plan = plan_of(all->geometry, 1, regions);
-    const auto part = part_of(*all, box_);
-    const auto encoder = make_sheet_encoder(part, regions, store_, blocks_, false, nullptr);
-    const Meter meter = make_sheet_meter(part);
-    const auto [first, end] = own_steps(all->geometry);
-    for (int step = first; step < end; ++step) {
-      const int local_step = local_step_of(all->slice_at(step), *part);
-      encoder->begin(local_step);
-      while (!encoder->work()) continue;
-      const EncodedStep encoded = encoder->finish();
-      const auto work = meter(local_step, encoded.parts);
-      // A block is seen in some two regions.
-      for (std::size_t r = 0; r < work.size(); ++r)
-        costs[r] += cost_of({}, 0, double(work[r].samples), 0.5 * double(encoded.parts[r].items));
-      costs.back() += cost_of(encoded.counts, 1, 0, 0);
-    }
-    costs.back() *= double(end - first + drawn_before + drawn_behind) / double(std::max(end - first, 1));
-    return costs;
-  }
-
   std::uint64_t slice_memory() const override { return store_.allocated_bytes(); }
 
  private:
-  std::shared_ptr<const SheetFrame> frame_of(const FrameSpec& spec) const {
-    if (setup_.regions.slices() < 1) return make_sheet_frame(spec, whole_, 1, 1);
-    auto frame = std::make_shared<SheetFrame>(*make_sheet_frame(spec, whole_, 1, 1));
-    auto& dealt = frame->geometry.dealt;
-    dealt.assign(std::size_t(frame->geometry.regions.count()), RegionOwners::nobody);
-    std::fill(dealt.begin() + setup_.regions.first, dealt.begin() + setup_.regions.end, 0);
-    frame->plan = plan_of(frame->geometry, 1, 1);
-    return frame;
-  }
-
-  int local_slice(int slice) const { return slice - box_.first[static_cast<int>(axis_)]; }
-  int local_step_of(int slice, const SheetFrame& part) const {
-    return part.geometry.traversal.slice_at(local_slice(slice), part.geometry.slices);
-  }
-
   /// The frame whose costs are counted: with as many pixels as those that are drawn stand for.
   FrameSpec counted(FrameSpec spec) const {
     const auto side = int(std::lround(std::sqrt(setup_.pixel_weight)));
@@ -173,25 +129,21 @@ class SheetSection final : public SectionPainter {
 
   void draw_step(int step, bool own, const SheetFrame& frame, const SheetFrame& part, Encoder& encoder,
                  const Meter& meter, Drawn& drawn) {
-    const int slice = frame.slice_at(step), local_step = local_step_of(slice, part);
+    const int slice = frame.slice_at(step), local = slice - box_.first[static_cast<int>(axis_)],
+              local_step = part.geometry.traversal.slice_at(local, part.geometry.slices);
     encoder.begin(local_step);
     while (!encoder.work()) continue;
     EncodedStep encoded = encoder.finish();
     EncodedPart& sent = encoded.parts.front();
     if (!own && !sent.payload.empty()) hide_cells(sent.payload, part.geometry.grid);
     const PaintWork work = meter ? meter(local_step, encoded.parts).front() : PaintWork{};
-    const double moved = setup_.machine ? newly_placed(sent.payload, part.geometry.grid, local_slice(slice))
-                                        : double(sent.items);
     const std::uint64_t samples = painter_->counts().samples;
     if (!sent.payload.empty()) {
       painter_->begin({step, sent.passes, std::span<const std::byte>(sent.payload).subspan(sizeof(Header))});
       while (!painter_->work()) continue;
       while (painter_->prepare()) continue;
     }
-    const double drawn_samples = double(painter_->counts().samples - samples);
-    double cost = cost_of(encoded.counts, setup_.machine && sent.payload.empty() ? 0 : 1,
-                          setup_.machine ? double(work.samples) : drawn_samples, moved);
-    if (setup_.machine) cost += setup_.machine->sheets.look * double(work.blocks);
+    const double cost = cost_of(encoded, work, double(painter_->counts().samples - samples));
     if (setup_.machine) drawn.seconds += cost;
     if (own) {
       drawn.costs[std::size_t(slice)] = cost;
@@ -214,40 +166,22 @@ class SheetSection final : public SectionPainter {
     }
   }
 
-  /// Blocks of a slice that are drawn for the first time.
-  double newly_placed(const Bytes& message, const Grid& grid, int slice) {
-    if (message.empty()) return 0;
-    const SheetPayload payload =
-        read_sheet_payload(std::span<const std::byte>(message).subspan(sizeof(Header)),
-                           grid.slice_width(axis_), grid.slice_height(axis_), grid.type);
-    const int columns = CellRanges::blocks_along(grid.slice_width(axis_));
-    std::vector<bool>& placed = placed_[std::size_t(slice)];
-    placed.resize(std::size_t(columns * CellRanges::blocks_along(grid.slice_height(axis_))));
-    double fresh = 0;
-    for (std::size_t row = 0; row < payload.rows.size(); ++row)
-      for (int column = payload.rows[row].first; column < payload.rows[row].end; ++column) {
-        const int block = (payload.header.first_row + int(row)) * columns + column;
-        if (payload.bytes[row][column - payload.rows[row].first] < block_present ||
-            placed[std::size_t(block)])
-          continue;
-        placed[std::size_t(block)] = true;
-        ++fresh;
-      }
-    return fresh;
-  }
-
-  /// Of a slice, but for the blocks that a Renderer is told of. `moved`: blocks that are copied and placed.
-  double cost_of(const EncodeCounts& counts, double payloads, double samples, double moved) const {
-    const auto blocks = double(counts.blocks);
+  /// `drawn_samples`: in the picture that is drawn. On a machine, blocks are copied and placed in the first
+  /// frame only.
+  double cost_of(const EncodedStep& encoded, const PaintWork& work, double drawn_samples) const {
+    const EncodedPart& sent = encoded.parts.front();
+    const double blocks = double(encoded.counts.blocks), items = double(sent.items);
     if (setup_.machine) {
       const Machine& m = *setup_.machine;
-      return selecting_seconds(m, blocks, moved) + placing_seconds(m, 0, moved, payloads) +
-             painting_seconds(m, samples);
+      const double moved = placed_ ? 0 : items;
+      return selecting_seconds(m, blocks, moved) +
+             (sent.payload.empty() ? 0 : placing_seconds(m, double(work.blocks), moved)) +
+             painting_seconds(m, double(work.samples));
     }
     constexpr double block = CellRanges::side * CellRanges::side;
     const WorkCosts& costs = usual_sheet_costs;
-    return costs.pixel * samples + block * (costs.voxel * moved + costs.hollow * blocks) +
-           costs.payload * payloads;
+    return costs.pixel * drawn_samples + block * (costs.voxel * items + costs.hollow * blocks) +
+           costs.payload;
   }
 
   SectionSetup setup_;
@@ -259,7 +193,7 @@ class SheetSection final : public SectionPainter {
   KeptBlocks kept_{0, 1, 1, std::numeric_limits<std::int64_t>::max()};
   ThreadTeam threads_;
   std::unique_ptr<FramePainter<SheetFrame>> painter_;
-  std::vector<std::vector<bool>> placed_;  ///< by slice and block: whether it was drawn, on a machine
+  bool placed_ = false;
 };
 
 }  // namespace
@@ -267,11 +201,6 @@ class SheetSection final : public SectionPainter {
 std::unique_ptr<SectionPainter> make_sheet_section(const SectionSetup& setup, Axis axis, double low,
                                                    double high) {
   return std::make_unique<SheetSection>(setup, axis, low, high);
-}
-
-std::vector<double> region_costs(const SectionSetup& setup, Axis axis, double low, double high,
-                                 const FrameSpec& spec) {
-  return SheetSection(setup, axis, low, high).region_costs(spec);
 }
 
 }  // namespace ringsplat::sort_last
