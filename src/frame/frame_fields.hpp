@@ -75,7 +75,7 @@ constexpr Interpolation last_of(Interpolation) { return Interpolation::nearest; 
 constexpr Mode last_of(Mode) { return Mode::attenuated; }
 constexpr Shading last_of(Shading) { return Shading::phong; }
 constexpr Fit last_of(Fit) { return Fit::box; }
-constexpr Normalisation last_of(Normalisation) { return Normalisation::exact; }
+constexpr Normalisation last_of(Normalisation) { return Normalisation::constant; }
 constexpr PayloadForm last_of(PayloadForm) { return PayloadForm::runs; }
 constexpr Precision last_of(Precision) { return Precision::u8; }
 

@@ -102,10 +102,6 @@ void check(const Shown& shown) {
 }
 
 void check(const Splats& splats) {
-  if (splats.normalisation == Normalisation::exact && !(splats.kernel_radius >= 1))
-    throw InputError(fmt::format("kernels of radius {} leave gaps, whose weights cannot be normalised",
-                                 splats.kernel_radius),
-                     "use --radius 1 or more, or --normalisation constant");
   if (splats.plane_samples != 1 && splats.plane_samples != 2 && splats.plane_samples != 4)
     throw InputError(fmt::format("--samples cannot be {}", splats.plane_samples),
                      "use 1, 2 or 4 pixels a voxel");
@@ -205,8 +201,7 @@ const char* name(Interpolation interpolation) {
 }
 
 std::string name(Normalisation normalisation) {
-  constexpr const char* names[] = {"none", "constant", "exact"};
-  return names[static_cast<int>(normalisation)];
+  return normalisation == Normalisation::none ? "none" : "constant";
 }
 
 const char* name(PayloadForm form) { return form == PayloadForm::words ? "words" : "runs"; }

@@ -311,10 +311,8 @@ void add_picture_options(OptionList& list, RenderOptions& o) {
        flag(o.colour.values)},
       {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
        value(o.method.splats.kernel_radius), Mark::of_splats},
-      {"--normalisation", nullptr, initial,
-       "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel",
-       choice(o.method.splats.normalisation,
-              named({Normalisation::none, Normalisation::constant, Normalisation::exact})),
+      {"--normalisation", nullptr, initial, "Divide the kernels' weights by nothing, or by their sum's mean",
+       choice(o.method.splats.normalisation, named({Normalisation::none, Normalisation::constant})),
        Mark::of_splats},
       {"--region", "N", nullptr,
        "Pixels of the side of a Renderer's region; without it 128, or less, down to 16, where that shares "

@@ -59,11 +59,11 @@ void take_weights(const std::vector<float>& window, AlignedSlice& slice) {
 
 }  // namespace
 
-std::optional<AlignedFrame> AlignedFrame::of(const FrameKernel& kernel, const ViewTransform& view,
+std::optional<AlignedFrame> AlignedFrame::of(const Footprint& footprint, const ViewTransform& view,
                                              Axis axis) {
   const auto steps = whole_steps(lattice_block(view, axis));
-  if (!steps || !has_stencil(kernel.footprint)) return {};
-  return AlignedFrame(kernel, view, axis, *steps);
+  if (!steps || !has_stencil(footprint)) return {};
+  return AlignedFrame(footprint, view, axis, *steps);
 }
 
 AlignedSlice AlignedFrame::slice(int index) const {
@@ -78,8 +78,8 @@ AlignedSlice AlignedFrame::slice(int index) const {
   slice.anchor_y = at.anchor_y;
   slice.reach_x = int(reach().x);
   slice.reach_y = int(reach().y);
-  slice.opacity_weight = kernel_.footprint.weight;
-  take_weights(window_weights(kernel_.footprint, reach(), at.dx, at.dy), slice);
+  slice.opacity_weight = footprint_.weight;
+  take_weights(window_weights(footprint_, reach(), at.dx, at.dy), slice);
   return slice;
 }
 

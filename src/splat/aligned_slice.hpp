@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "splat/frame_kernel.hpp"
+#include "splat/footprint.hpp"
 #include "splat/splat.hpp"
 
 namespace ringsplat {
@@ -35,18 +35,17 @@ struct AlignedSlice {
 class AlignedFrame {
  public:
   /// Empty for all other frames. `view`: of the lattice to the image plane.
-  static std::optional<AlignedFrame> of(const FrameKernel& kernel, const ViewTransform& view, Axis axis);
+  static std::optional<AlignedFrame> of(const Footprint& footprint, const ViewTransform& view, Axis axis);
 
-  KernelReach reach() const { return kernel_reach(kernel_.footprint); }
-  const LatticeSum* lattice_sum() const { return kernel_.lattice_sum.get(); }  ///< null: none to divide by
+  KernelReach reach() const { return kernel_reach(footprint_); }
   /// The weights have the bits that SplatSum computes for each splat of the slice.
   AlignedSlice slice(int index) const;
 
  private:
-  AlignedFrame(const FrameKernel& kernel, const ViewTransform& view, Axis axis, glm::ivec2 steps)
-      : kernel_(kernel), view_(view), axis_(axis), steps_(steps) {}
+  AlignedFrame(const Footprint& footprint, const ViewTransform& view, Axis axis, glm::ivec2 steps)
+      : footprint_(footprint), view_(view), axis_(axis), steps_(steps) {}
 
-  FrameKernel kernel_;
+  Footprint footprint_;
   ViewTransform view_;
   Axis axis_;
   glm::ivec2 steps_;  ///< pixels from voxel to voxel along u and v

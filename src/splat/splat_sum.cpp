@@ -72,13 +72,13 @@ Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats) {
   return stencil;
 }
 
-SplatSum::SplatSum(const FrameKernel& kernel, const PixelRect& largest)
-    : reach_(kernel_reach(kernel.footprint)), kernel_(kernel) {
-  const bool by_anchors = has_stencil(kernel.footprint);
+SplatSum::SplatSum(const Footprint& footprint, const PixelRect& largest)
+    : reach_(kernel_reach(footprint)), footprint_(footprint) {
+  const bool by_anchors = has_stencil(footprint);
   // With a stencil splats are added without clipping, and zeros go to the margins. Without it rows are
   // clipped to the region, but for the rest of the last vector.
   buffer_ = make_slice_buffer(by_anchors ? window_margins(reach_) : Margins{0, 16, 0, 0}, largest);
-  if (by_anchors) stencil_ = make_stencil(kernel.footprint, buffer_.row_floats);
+  if (by_anchors) stencil_ = make_stencil(footprint, buffer_.row_floats);
   runs_.resize(std::size_t(largest.height() + (by_anchors ? 2 * reach_.y + 1 : 0)));
 }
 
@@ -93,8 +93,7 @@ DrawCounts SplatSum::draw(std::int64_t base_x, std::int64_t base_y, std::span<co
   const std::int64_t left = base_x - image_->rect().x0, top = base_y - image_->rect().y0;
   const auto visible = image_->opaque_tiles().worth_asking() ? without_hidden(left, top, splats) : splats;
   const SplatRun run{visible.data(), visible.size() / sizeof(Splat), left, top};
-  DrawCounts counts =
-      draw_splats(buffer_, kernel_.footprint, stencil_ ? &*stencil_ : nullptr, run, runs_.data());
+  DrawCounts counts = draw_splats(buffer_, footprint_, stencil_ ? &*stencil_ : nullptr, run, runs_.data());
   counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);
   if (counts.drawn > 0) empty_ = false;
   return counts;
@@ -134,7 +133,7 @@ std::span<const PixelRun> SplatSum::written() {
   return written_;
 }
 
-std::uint64_t SplatSum::composite(glm::dvec2 voxel) {
+std::uint64_t SplatSum::composite() {
   std::uint64_t composited = 0;
   if (!empty_) {
     float* image = image_->pixels();
@@ -145,9 +144,6 @@ std::uint64_t SplatSum::composite(glm::dvec2 voxel) {
       const int first = run.first / block_pixels * block_pixels;
       const auto pixels = std::size_t(in_whole_blocks(run.end) - first);
       float* sums = buffer_.origin + y * buffer_.row_floats + first * floats_a_pixel;
-      if (kernel_.lattice_sum)
-        kernel_.lattice_sum->divide_row(sums, pixels, image_->rect().x0 + first, image_->rect().y0 + y,
-                                        voxel);
       composite_row(sums, image + y * image_->row_floats() + first * floats_a_pixel, pixels * floats_a_pixel,
                     image_->opaque_threshold());
       composited += pixels;

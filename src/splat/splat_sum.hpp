@@ -8,7 +8,7 @@
 #include "raster/region_image.hpp"
 #include "raster/slice_buffer.hpp"
 #include "ringsplat/base/bytes.hpp"
-#include "splat/frame_kernel.hpp"
+#include "splat/footprint.hpp"
 #include "splat/splat.hpp"
 
 namespace ringsplat {
@@ -71,7 +71,7 @@ class SplatSum {
  public:
   /// No region may be larger than `largest`: of a frame's that is the first, as only those at the image's
   /// edge differ.
-  SplatSum(const FrameKernel& kernel, const PixelRect& largest);
+  SplatSum(const Footprint& footprint, const PixelRect& largest);
 
   /// Begins a slice of a region. `image` must outlive the slice; its frame has begun.
   void begin(RegionImage& image);
@@ -79,10 +79,8 @@ class SplatSum {
   /// which their anchors count. Splats with a NaN or a coefficient that no footprint has count as clipped.
   DrawCounts draw(std::int64_t base_x, std::int64_t base_y, std::span<const std::byte> splats);
   /// Puts the slice behind the image: C += (1 − A) c, A += (1 − A) a, with a and c clamped to [0, 1] and [0,
-  /// a]. Leaves the sum empty, and costs nothing when it is. `voxel`: where a voxel of the slice lies in the
-  /// image plane, in pixels; the exact normalisation divides a and c by the lattice's sum there first.
-  /// Returns how many pixels it went through.
-  std::uint64_t composite(glm::dvec2 voxel);
+  /// a]. Leaves the sum empty, and costs nothing when it is. Returns how many pixels it went through.
+  std::uint64_t composite();
 
  private:
   std::span<const std::byte> without_hidden(std::int64_t left, std::int64_t top,
@@ -92,7 +90,7 @@ class SplatSum {
   std::span<const PixelRun> written();
 
   KernelReach reach_;
-  FrameKernel kernel_;
+  Footprint footprint_;
   std::optional<Stencil> stencil_;  ///< where has_stencil(footprint)
   /// Where was drawn; with a stencil columns of anchors, by their row from −reach_y − 1 on.
   std::vector<PixelRun> runs_;

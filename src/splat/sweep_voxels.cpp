@@ -27,8 +27,6 @@ struct ImageRows {
   std::ptrdiff_t row_floats = 0;    ///< from a row to the next
   float opaque_threshold = 0;       ///< transmittances below it count as 0
   std::uint64_t* opaque = nullptr;  ///< rows of bits: set where a whole pixel block is opaque
-  /// Factors of a pixel block's sums in row y: factors[y % largest_step]. Null means 1.
-  const float (*factors)[16] = nullptr;
 };
 
 /// The rows of anchors, a step apart, whose kernels reach a row of pixels.
@@ -156,11 +154,6 @@ HWY_INLINE void convolve(const BlockSums& in, const Take& take) {
   if (block < in.blocks) convolve_some<1>(in, block, take);
 }
 
-HWY_INLINE void multiply(BlockOfSums& sums, const float* factors) {
-  const Floats d;
-  for (int i = 0; i < parts; ++i) sums[i] = hn::Mul(sums[i], hn::LoadU(d, factors + i * int(lanes)));
-}
-
 /// Returns whether all of the image's pixels are opaque now.
 HWY_INLINE bool composite_block(const BlockOfSums& sums, float opaque, float* image) {
   const Floats d;
@@ -213,10 +206,8 @@ std::uint64_t CompositeVoxels(const VoxelRows& voxels, const AlignedSlice& slice
   sweep(voxels, slice, image.opaque, covered, [&](const AnchorRows& rows, int x, int y, int blocks) {
     float* to = image.first + y * image.row_floats + std::ptrdiff_t{4} * x;
     std::uint64_t* opaque = image.opaque + std::size_t(y) * voxels.row_words;
-    const float* factors = image.factors != nullptr ? image.factors[y % largest_step] : nullptr;
     composited += std::uint64_t(blocks) * block_pixels;
     convolve(block_sums(voxels, slice, rows, x, y, blocks), [&](int block, BlockOfSums& sums) {
-      if (factors != nullptr) multiply(sums, factors);
       if (!composite_block(sums, image.opaque_threshold, to + block * block_floats)) return;
       const int pixel = voxels.left + x + block * block_pixels;
       opaque[pixel / 64] |= std::uint64_t{15} << pixel % 64;
@@ -233,16 +224,12 @@ namespace ringsplat {
 
 HWY_EXPORT(CompositeVoxels);
 
-std::uint64_t VoxelSum::composite(glm::dvec2 voxel) {
+std::uint64_t VoxelSum::composite() {
   if (rows_.top >= rows_.bottom) return 0;
   std::uint64_t composited = 0;
   if (reached_ || image_->touched()) {
-    float factors[largest_step][16];
-    const LatticeSum* lattice_sum = frame_.lattice_sum();
-    for (int y = 0; y < largest_step && lattice_sum != nullptr; ++y)
-      lattice_sum->fill_factors(image_->rect().x0, image_->rect().y0 + y, voxel, factors[y]);
     const ImageRows image{image_->pixels(), image_->row_floats(), image_->opaque_threshold(),
-                          image_->opaque_bits(rows_.row_words), lattice_sum != nullptr ? factors : nullptr};
+                          image_->opaque_bits(rows_.row_words)};
     composited = HWY_DYNAMIC_DISPATCH(CompositeVoxels)(rows_, slice_, image, covered_.data());
     image_->slices_composited();
   } else {

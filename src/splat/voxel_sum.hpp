@@ -58,7 +58,7 @@ class VoxelSum {
     reached_ |= drawn.counts.drawn > 0;
     return drawn;
   }
-  std::uint64_t composite(glm::dvec2 voxel);
+  std::uint64_t composite();
 
  private:
   AlignedFrame frame_;

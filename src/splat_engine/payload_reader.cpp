@@ -47,8 +47,7 @@ class GroupReader : public PayloadReader {
 
 class WordReader final : public GroupReader<SplatGroup, false> {
  public:
-  WordReader(const SplatFrame& frame, const FrameKernel& kernel)
-      : sum_(kernel, frame.geometry.regions.rect(0)) {}
+  explicit WordReader(const SplatFrame& frame) : sum_(frame.footprint, frame.geometry.regions.rect(0)) {}
 
   void begin(int, const PayloadPart& part, RegionImage& image) override {
     sum_.begin(image);
@@ -72,7 +71,7 @@ class WordReader final : public GroupReader<SplatGroup, false> {
     return sum_.draw(group_.base_x, group_.base_y, splats);
   }
 
-  std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
+  std::uint64_t composite() override { return sum_.composite(); }
 
  private:
   bool pass_group(const SplatGroup& group, std::span<const std::byte> body, std::size_t& at) const override {
@@ -182,7 +181,7 @@ class AlignedReader final : public RunCursor<Voxel> {
     return drawn.counts;
   }
 
-  std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
+  std::uint64_t composite() override { return sum_.composite(); }
 
  private:
   VoxelSum sum_;
@@ -192,9 +191,9 @@ class AlignedReader final : public RunCursor<Voxel> {
 template <class Voxel>
 class RunReader final : public RunCursor<Voxel> {
  public:
-  RunReader(const SplatFrame& frame, const FrameKernel& kernel)
+  explicit RunReader(const SplatFrame& frame)
       : RunCursor<Voxel>(frame.geometry),
-        sum_(kernel, frame.geometry.regions.rect(0)),
+        sum_(frame.footprint, frame.geometry.regions.rect(0)),
         geometry_(frame.geometry),
         footprint_(frame.footprint),
         dda_(geometry_.view, geometry_.traversal.axis, geometry_.grid.slice_width(geometry_.traversal.axis)) {
@@ -219,7 +218,7 @@ class RunReader final : public RunCursor<Voxel> {
                      std::as_bytes(std::span(splats_).first(filled_)));
   }
 
-  std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
+  std::uint64_t composite() override { return sum_.composite(); }
 
  private:
   /// Appends the next voxel. Returns false when it needs another base.
@@ -257,11 +256,11 @@ class RunReader final : public RunCursor<Voxel> {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_payload_reader(const SplatFrame& frame, const FrameKernel& kernel) {
-  if (frame.splats.payload == PayloadForm::words) return std::make_unique<WordReader>(frame, kernel);
-  const auto aligned = AlignedFrame::of(kernel, frame.geometry.view, frame.geometry.traversal.axis);
+std::unique_ptr<PayloadReader> make_payload_reader(const SplatFrame& frame) {
+  if (frame.splats.payload == PayloadForm::words) return std::make_unique<WordReader>(frame);
+  const auto aligned = AlignedFrame::of(frame.footprint, frame.geometry.view, frame.geometry.traversal.axis);
   if (aligned) return make_for_voxels<PayloadReader, AlignedReader>(frame.splats.precision, frame, *aligned);
-  return make_for_voxels<PayloadReader, RunReader>(frame.splats.precision, frame, kernel);
+  return make_for_voxels<PayloadReader, RunReader>(frame.splats.precision, frame);
 }
 
 }  // namespace ringsplat

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "raster/region_image.hpp"
-#include "splat/frame_kernel.hpp"
+#include "splat/footprint.hpp"
 #include "splat_engine/splat_frame.hpp"
 
 namespace ringsplat {
@@ -33,10 +33,10 @@ class PayloadReader {
   /// Draws at least one and about `most` of the part's next splats.
   virtual DrawCounts draw(std::uint32_t most) = 0;
   /// Puts what was drawn behind the image (SplatSum::composite).
-  virtual std::uint64_t composite(glm::dvec2 voxel) = 0;
+  virtual std::uint64_t composite() = 0;
 };
 
 /// A reader for a frame's form and precision. The frame must outlive it.
-std::unique_ptr<PayloadReader> make_payload_reader(const SplatFrame& frame, const FrameKernel& kernel);
+std::unique_ptr<PayloadReader> make_payload_reader(const SplatFrame& frame);
 
 }  // namespace ringsplat

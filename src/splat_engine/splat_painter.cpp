@@ -5,7 +5,6 @@
 
 #include "base/clock.hpp"
 #include "engine_parts/frame_engine.hpp"
-#include "splat/frame_kernel.hpp"
 #include "splat_engine/payload_reader.hpp"
 #include "splat_engine/splat_engine.hpp"
 
@@ -22,12 +21,8 @@ class SplatPainter final : public FramePainter<SplatFrame> {
   void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
     for (Lane& lane : lanes_) lane.reader.reset();  // they refer to the last frame
     FramePainter::begin_frame(std::move(frame));
-    FrameKernel kernel{frame_->footprint, {}};
-    if (frame_->splats.normalisation == Normalisation::exact)
-      kernel.lattice_sum = std::make_shared<LatticeSum>(
-          kernel.footprint, lattice_block(geometry().view, geometry().traversal.axis));
     for (Lane& lane : lanes_) {
-      lane.reader = make_payload_reader(*frame_, kernel);
+      lane.reader = make_payload_reader(*frame_);
       lane.drawing = false;
     }
     composite_seconds_ = 0;
@@ -39,9 +34,6 @@ class SplatPainter final : public FramePainter<SplatFrame> {
       parts_ = lanes_.front().reader->parts(body, [this](int region) { return images_.owns(region); });
     });
     slice_ = geometry().traversal.slice_at(step, geometry().slices);
-    glm::dvec3 voxel(0.0);
-    voxel[static_cast<int>(geometry().traversal.axis)] = slice_;
-    voxel_ = geometry().view.project(voxel);
     next_part_ = 0;
     // Waking a thread costs as much as some hundred splats.
     constexpr std::size_t bytes_worth_a_thread = 4096;
@@ -98,7 +90,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
       if (!lane.drawing && !take_part(lane)) return;
       if (!lane.reader->more()) {
         const ScopedSeconds composited(&lane.compositing);
-        lane.counts.samples += lane.reader->composite(voxel_);
+        lane.counts.samples += lane.reader->composite();
         lane.drawing = false;
         continue;
       }
@@ -123,7 +115,6 @@ class SplatPainter final : public FramePainter<SplatFrame> {
   std::vector<PayloadPart> parts_;
   std::atomic<std::size_t> next_part_ = 0;
   int slice_ = 0;
-  glm::dvec2 voxel_{0.0};  ///< position of one of the slice's voxels in the image plane
   double composite_seconds_ = 0;
 };
 

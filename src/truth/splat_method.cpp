@@ -65,10 +65,9 @@ class Method : Tracer {
         v_(in_plane(traversal_.axis).v),
         kernel_(make_kernel(glm::dvec2(view_.linear[u_]), glm::dvec2(view_.linear[v_]),
                             scene.frame.as<Splats>().kernel_radius)),
-        normalisation_(scene.frame.as<Splats>().normalisation),
         distance_(slice_length(rays_.through({0, 0}), axis_)),
         gradients_(scene) {
-    if (normalisation_ == Normalisation::none) kernel_.weight = 1;
+    if (scene.frame.as<Splats>().normalisation == Normalisation::none) kernel_.weight = 1;
     slice_.resize(std::size_t(scene.grid.dims[u_]) * std::size_t(scene.grid.dims[v_]));
   }
 
@@ -143,11 +142,7 @@ class Method : Tracer {
         const Rgba& colour = slice_[std::size_t(v) * std::size_t(width) + std::size_t(u)];
         if (colour.w > 0) sum += kernel_.weight * weight_of(u, v) * colour;
       }
-    if (normalisation_ != Normalisation::exact || !(sum.w > 0)) return sum;
-    double weights = 0;
-    for (double v = low.y; v <= high.y; ++v)
-      for (double u = low.x; u <= high.x; ++u) weights += weight_of(u, v);
-    return sum / (kernel_.weight * weights);
+    return sum;
   }
 
   static void composite(Rgba& behind, const Rgba& slice) {
@@ -160,7 +155,6 @@ class Method : Tracer {
   Traversal traversal_;
   int axis_, u_, v_;
   Kernel kernel_;
-  Normalisation normalisation_;
   double distance_;  ///< unit lengths from slice to slice
   Gradients gradients_;
   std::vector<Rgba> slice_;

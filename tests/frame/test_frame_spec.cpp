@@ -44,7 +44,7 @@ FrameSpec unusual_spec() {
   spec.shown.material = {.ambient = 0.125, .diffuse = 0.5, .specular = 0.75, .exponent = 3};
   spec.shown.light = {1, 2, 3};
   spec.as<Splats>().kernel_radius = 1.25;
-  spec.as<Splats>().normalisation = Normalisation::exact;
+  spec.as<Splats>().normalisation = Normalisation::none;
   spec.shown.opacity_correction = false;
   spec.shown.opaque_threshold = 0;
   spec.shown.reduction = {.factor = 2, .prefilter = true};

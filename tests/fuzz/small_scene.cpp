@@ -36,7 +36,7 @@ FrameSpec small_frame(unsigned choice) {
       spec.division.region_size = 37;
       break;
     default:
-      spec.as<Splats>().normalisation = Normalisation::exact;
+      spec.as<Splats>().normalisation = Normalisation::none;
       spec.shown.opaque_threshold = 0.1;
   }
   return spec;

@@ -25,7 +25,7 @@ TEST_CASE("a picture drawn in the slices' plane has the same bits for any ranks,
   shuffled.reorder = true;
   shuffled.seed = 5;
   for (const double azimuth : {0.0, 33.0, 123.0, 303.0}) {
-    for (const int samples : {1, 2}) {
+    for (const int samples : {1, 2, 4}) {
       FrameSpec spec = sheared_view(azimuth, azimuth > 300 ? 70 : 21);
       spec.as<Splats>().plane_samples = samples;
       const Image alone = render_loopback(*source, spec, 1, 1).image;
@@ -45,55 +45,28 @@ TEST_CASE("a picture drawn in the slices' plane has the same bits for any ranks,
   }
 }
 
-TEST_CASE("exact kernels in the slices' plane: words draw the bits of runs, in regions of any size") {
-  const auto source = synth_source("ball", make_grid({33, 27, 30}));
-  for (const double azimuth : {33.0, 123.0})
-    for (const int samples : {1, 2, 4}) {
-      FrameSpec spec = sheared_view(azimuth);
-      spec.shown.width = spec.shown.height = 240;
-      spec.as<Splats>().plane_samples = samples;
-      spec.as<Splats>().normalisation = Normalisation::exact;
-      spec.division.region_size = 4096;
-      const Image alone = render_loopback(*source, spec, 1, 1).image;
-      REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
-      for (const PayloadForm form : {PayloadForm::runs, PayloadForm::words})
-        for (const int region : {5, 18, 64, 4096}) {
-          INFO(fmt::format("azimuth {}, {} samples, regions of {}, {}", azimuth, samples, region,
-                           form == PayloadForm::runs ? "runs" : "words"));
-          spec.as<Splats>().payload = form;
-          spec.division.region_size = region;
-          REQUIRE(render_loopback(*source, spec, 2, 3).image == alone);
-        }
-    }
-}
-
-TEST_CASE("exact kernels draw an even slice even in the slices' plane") {
-  // Each pixel's weights sum to one, wherever its region begins, and the warp keeps a constant.
+TEST_CASE("an even slice is even in the slices' plane, but for the kernels' ripple") {
+  // Of radius 2.5: 0.53 % at most, which the warp's cubic may make half as large again.
   const auto source = synth_source("constant", make_grid({41, 43, 1}));
-  for (const int samples : {1, 2, 4})
-    for (const PayloadForm form : {PayloadForm::runs, PayloadForm::words})
-      for (const int region : {0, 5, 18}) {
-        FrameSpec spec = sheared_view(10, 70);
-        spec.shown.width = spec.shown.height = 320;
-        spec.shown.camera.zoom = 1;
-        spec.as<Splats>().plane_samples = samples;
-        spec.division.region_size = region;
-        spec.as<Splats>().payload = form;
-        spec.as<Splats>().normalisation = Normalisation::exact;
-        spec.shown.transfer_function = constant_opacity(0.3);
-        spec.shown.opacity_correction = false;
-        const Image image = render_loopback(*source, spec, 2, 3).image;
-        float least = 1, most = 0;
-        for (int y = 110; y < 210; ++y)
-          for (int x = 110; x < 210; ++x) {
-            least = std::min(least, image.pixel(x, y)[3]);
-            most = std::max(most, image.pixel(x, y)[3]);
-          }
-        INFO(fmt::format("{} samples, regions of {}, {}", samples, region,
-                         form == PayloadForm::runs ? "runs" : "words"));
-        CHECK(least == Approx(0.3).epsilon(1e-5));
-        CHECK(most == Approx(0.3).epsilon(1e-5));
+  for (const int samples : {1, 2, 4}) {
+    FrameSpec spec = sheared_view(10, 70);
+    spec.shown.width = spec.shown.height = 320;
+    spec.shown.camera.zoom = 1;
+    spec.as<Splats>().plane_samples = samples;
+    spec.as<Splats>().kernel_radius = 2.5;
+    spec.shown.transfer_function = constant_opacity(0.3);
+    spec.shown.opacity_correction = false;
+    const Image image = render_loopback(*source, spec, 2, 3).image;
+    float least = 1, most = 0;
+    for (int y = 110; y < 210; ++y)
+      for (int x = 110; x < 210; ++x) {
+        least = std::min(least, image.pixel(x, y)[3]);
+        most = std::max(most, image.pixel(x, y)[3]);
       }
+    INFO(samples << " samples");
+    CHECK(least == Approx(0.3).epsilon(0.008));
+    CHECK(most == Approx(0.3).epsilon(0.008));
+  }
 }
 
 TEST_CASE("more samples a voxel bring the picture to the one drawn on the screen") {

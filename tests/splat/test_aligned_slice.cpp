@@ -62,8 +62,8 @@ Painted finish(RegionPainter& painter, const DrawCounts& counts) {
   return {tile_of(painter, width, height), counts};
 }
 
-AlignedFrame aligned_frame(const FrameKernel& kernel, const ViewTransform& view) {
-  const auto frame = AlignedFrame::of(kernel, view, Axis::z);
+AlignedFrame aligned_frame(const Footprint& footprint, const ViewTransform& view) {
+  const auto frame = AlignedFrame::of(footprint, view, Axis::z);
   REQUIRE(frame);
   return *frame;
 }
@@ -98,8 +98,8 @@ std::vector<Block> to_blocks(const std::vector<Row>& runs) {
   return blocks;
 }
 
-Painted paint_rows(const FrameKernel& kernel, const ViewTransform& view, const std::vector<Row>& runs) {
-  VoxelSum sum(aligned_frame(kernel, view), {0, 0, width + 9, height + 5});
+Painted paint_rows(const Footprint& footprint, const ViewTransform& view, const std::vector<Row>& runs) {
+  VoxelSum sum(aligned_frame(footprint, view), {0, 0, width + 9, height + 5});
   RegionImage image({left_x, top_y, left_x + width, top_y + height});
   sum.begin_slice(slice);
   sum.begin(image);
@@ -108,18 +108,18 @@ Painted paint_rows(const FrameKernel& kernel, const ViewTransform& view, const s
     const auto* where = reinterpret_cast<const std::byte*>(&block.where);
     add(counts, sum.draw(VoxelRuns{where, 1, block.voxels.data()}, 1).counts);
   }
-  sum.composite(glm::dvec2(0.0));
+  sum.composite();
   return {tile_of(image, width, height), counts};
 }
 
-Painted paint_splats(const FrameKernel& kernel, const ViewTransform& view, const std::vector<Row>& runs) {
+Painted paint_splats(const Footprint& footprint, const ViewTransform& view, const std::vector<Row>& runs) {
   RegionPainter painter(left_x, top_y, width, height);
-  painter.begin_frame(kernel);
+  painter.begin_frame(footprint);
   DrawCounts counts;
   for (const Row& run : runs) {
     for (std::size_t k = 0; k < run.voxels.size(); ++k) {
       const glm::dvec3 at = view.project({run.first + double(k), run.row, slice});
-      Placed placed = place(kernel.footprint, at.x, at.y, {0, 0, 0, run.voxels[k].opacity});
+      Placed placed = place(footprint, at.x, at.y, {0, 0, 0, run.voxels[k].opacity});
       placed.splat.red = run.voxels[k].red;
       placed.splat.green = run.voxels[k].green;
       placed.splat.blue = run.voxels[k].blue;
@@ -129,24 +129,20 @@ Painted paint_splats(const FrameKernel& kernel, const ViewTransform& view, const
   return finish(painter, counts);
 }
 
-FrameKernel kernel_of(const ViewTransform& view, double radius) {
-  return plain_kernel(make_footprint(view, Axis::z, radius));
-}
-
 }  // namespace
 
 TEST_CASE("rows of voxels draw the bits of their splats, on every instruction set") {
   for (const auto& [step_x, step_y] : {std::pair{1.0, 1.0}, {2.0, 2.0}, {4.0, 4.0}, {1.0, 2.0}, {4.0, 1.0}}) {
     for (const double radius : {0.5, 1.0, 1.1, 1.6, 2.4, 5.0}) {
       const ViewTransform view = aligned_view(step_x, step_y);
-      const FrameKernel kernel = kernel_of(view, radius);
+      const Footprint footprint = make_footprint(view, Axis::z, radius);
       const auto runs = random_runs(unsigned(10 * radius));
-      const Painted splats = paint_splats(kernel, view, runs);
+      const Painted splats = paint_splats(footprint, view, runs);
       REQUIRE(*std::max_element(splats.tile.begin(), splats.tile.end()) > 0.1F);
       for (const auto& target : vector_targets()) {
         use_vector_target(target);
         INFO(target << ", " << step_x << " x " << step_y << " pixels a voxel, radius " << radius);
-        const Painted rows = paint_rows(kernel, view, runs);
+        const Painted rows = paint_rows(footprint, view, runs);
         CHECK(same_bits(rows.tile, splats.tile));
         CHECK(rows.counts.drawn == splats.counts.drawn);
         CHECK(rows.counts.clipped == splats.counts.clipped);
@@ -166,15 +162,10 @@ TEST_CASE("rows of voxels draw the bits of their splats wherever between the pix
         view.linear[2] = {0, 0, 1};
         view.offset = {11.5 + place, -13.5 + place, 0};
         const auto runs = random_runs(unsigned(100 * (radius + place)));
-        for (const bool exact : {false, true}) {
-          if (exact && radius < 1) continue;
-          const FrameKernel plain = kernel_of(view, radius),
-                            kernel = exact ? exact_kernel(plain.footprint, view) : plain;
-          INFO(step << " pixels a voxel, radius " << radius << ", " << place << " behind a pixel"
-                    << (exact ? ", exact" : ""));
-          CHECK(same_bits(paint_rows(kernel, view, runs).tile, paint_splats(kernel, view, runs).tile));
-          taps.insert(aligned_frame(kernel, view).slice(slice).taps);
-        }
+        const Footprint footprint = make_footprint(view, Axis::z, radius);
+        INFO(step << " pixels a voxel, radius " << radius << ", " << place << " behind a pixel");
+        CHECK(same_bits(paint_rows(footprint, view, runs).tile, paint_splats(footprint, view, runs).tile));
+        taps.insert(aligned_frame(footprint, view).slice(slice).taps);
       }
     }
   }
@@ -183,7 +174,7 @@ TEST_CASE("rows of voxels draw the bits of their splats wherever between the pix
 
 TEST_CASE("only voxels that lie a whole number of pixels apart make an aligned slice") {
   const auto aligned = [](const ViewTransform& view, double radius = 1.6) {
-    return AlignedFrame::of(kernel_of(view, radius), view, Axis::z).has_value();
+    return AlignedFrame::of(make_footprint(view, Axis::z, radius), view, Axis::z).has_value();
   };
   CHECK(aligned(aligned_view(1, 1)));
   CHECK_FALSE(aligned(aligned_view(1.5, 1)));
@@ -194,20 +185,20 @@ TEST_CASE("only voxels that lie a whole number of pixels apart make an aligned s
 
 TEST_CASE("a voxel without a plausible opacity adds nothing to a row") {
   const ViewTransform view = aligned_view(1, 1);
-  const FrameKernel kernel = kernel_of(view, 1.6);
+  const Footprint footprint = make_footprint(view, Axis::z, 1.6);
   Row run{20, 12, std::vector<VoxelColour>(9, {65535, 30000, 100, 0.5F})};
   run.voxels[4].opacity = 0;
-  const Painted without = paint_rows(kernel, view, {run});
+  const Painted without = paint_rows(footprint, view, {run});
   for (const float opacity :
        {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1e30F}) {
     run.voxels[4].opacity = opacity;
-    CHECK(same_bits(paint_rows(kernel, view, {run}).tile, without.tile));
+    CHECK(same_bits(paint_rows(footprint, view, {run}).tile, without.tile));
   }
 }
 
 TEST_CASE("rows of voxels go from region to region") {
   const ViewTransform view = aligned_view(2, 1);
-  const FrameKernel kernel = kernel_of(view, 1.6);
+  const Footprint footprint = make_footprint(view, Axis::z, 1.6);
   const VoxelColour voxel{65535, 30000, 100, 0.5F};
   const auto dense = to_blocks({{20, 0, std::vector<VoxelColour>(40, voxel)}}),
              sparse = to_blocks({{20, 12, {voxel}}});
@@ -221,15 +212,15 @@ TEST_CASE("rows of voxels go from region to region") {
     }
   };
   const auto paint_second = [&](bool after_first) {
-    VoxelSum sum(aligned_frame(kernel, view), second);
+    VoxelSum sum(aligned_frame(footprint, view), second);
     RegionImage image(first), other(second);
     sum.begin_slice(slice);
     if (after_first) {
       draw(sum, image, dense);
-      sum.composite(glm::dvec2(0.0));
+      sum.composite();
     }
     draw(sum, other, sparse);
-    sum.composite(glm::dvec2(0.0));
+    sum.composite();
     return tile_of(other, second.width(), second.height());
   };
   const auto alone = paint_second(false);
@@ -239,12 +230,12 @@ TEST_CASE("rows of voxels go from region to region") {
 
 TEST_CASE("voxels that reach no pixel of a region leave it untouched, and its slice buffer empty") {
   const ViewTransform view = aligned_view(1, 1);
-  const FrameKernel kernel = kernel_of(view, 1.6);
-  VoxelSum sum(aligned_frame(kernel, view), {0, 0, width, height});
+  const Footprint footprint = make_footprint(view, Axis::z, 1.6);
+  VoxelSum sum(aligned_frame(footprint, view), {0, 0, width, height});
   sum.begin_slice(slice);
   // A kernel's corner weights are 0: the voxel whose window's corner alone is in the region does not reach
   // it.
-  const AlignedSlice aligned = aligned_frame(kernel, view).slice(slice);
+  const AlignedSlice aligned = aligned_frame(footprint, view).slice(slice);
   const auto voxels = to_blocks({{20, 12, {{65535, 30000, 100, 0.5F}}}});
   const auto x = int(aligned.anchor_x) + 12 + aligned.reach_x + 1,
              y = int(aligned.anchor_y) + 20 + aligned.reach_y + 1;
@@ -252,9 +243,9 @@ TEST_CASE("voxels that reach no pixel of a region leave it untouched, and its sl
   sum.begin(corner);
   const auto* where = reinterpret_cast<const std::byte*>(&voxels[0].where);
   CHECK(sum.draw(VoxelRuns{where, 1, voxels[0].voxels.data()}, 1).counts.clipped == 1);
-  sum.composite(glm::dvec2(0.0));
+  sum.composite();
   CHECK_FALSE(corner.touched());
   sum.begin(corner);
-  sum.composite(glm::dvec2(0.0));
+  sum.composite();
   CHECK_FALSE(corner.touched());
 }

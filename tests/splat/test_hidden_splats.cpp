@@ -61,14 +61,14 @@ TEST_CASE("a sum that goes from region to region shows what each region alone sh
   RegionPainter alone(32, 0, 70, 20);
   for (int frame = 0; frame < 2; ++frame) {
     for (RegionImage* image : {&left, &right}) image->begin_frame(0);
-    SplatSum sum(plain_kernel(footprint), {0, 0, 70, 48});
+    SplatSum sum(footprint, {0, 0, 70, 48});
     alone.begin_frame(footprint);
     for (unsigned z = 0; z < 5; ++z) {
       const auto slice = random_splats(footprint, 400, -5, -5, 110, 55, z, 0.2F);
       for (RegionImage* image : {&left, &right}) {
         sum.begin(*image);
         draw_all(sum, slice);
-        sum.composite(glm::dvec2(0.0));
+        sum.composite();
       }
       draw_all(alone, slice);
       alone.composite();

@@ -69,7 +69,7 @@ TEST_CASE("slices that are shifted against each other lie nearer together than t
   const glm::dvec3 spacing{1.0, 0.8, 2.0};
   for (const double tilt : {0.0, 25.0}) {
     FrameSpec spec = plain_spec(constant_opacity(0.2), 33, tilted(Axis::z, tilt));
-    spec.as<Splats>().normalisation = Normalisation::exact;
+    spec.as<Splats>().kernel_radius = 2.5;
     const Volume volume = even_volume({31, 37, 3}, spacing, direction);
     const auto scene = scene_of(volume, spec);
     const double units = 3 * spacing.z * direction[2].z / 0.8 / std::cos(tilt * degrees),
@@ -78,8 +78,11 @@ TEST_CASE("slices that are shifted against each other lie nearer together than t
     CHECK(in_the_middle(truth::field_truth(scene, middle)) == Approx(opacity).epsilon(1e-9));
     CHECK(in_the_middle(truth::analytic_truth(scene, constant, 1.0, middle)) ==
           Approx(opacity).epsilon(1e-6));
-    CHECK(in_the_middle(truth::method_truth(scene, middle)) == Approx(opacity).epsilon(1e-9));
-    CHECK(rendered(volume, spec).pixel(16, 16)[3] == Approx(opacity).epsilon(2e-5));
+    // Kernels of this radius ripple by 0.53 % at most, slices of opacity 0.4 thus by 0.3 % together; slices
+    // that are as far apart as their spacing would be 4 % more opaque.
+    const double method = in_the_middle(truth::method_truth(scene, middle));
+    CHECK(method == Approx(opacity).epsilon(3e-3));
+    CHECK(rendered(volume, spec).pixel(16, 16)[3] == Approx(method).epsilon(2e-5));
   }
 }
 

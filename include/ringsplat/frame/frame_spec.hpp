@@ -24,9 +24,8 @@ const char* name(Interpolation interpolation);
 
 /// What divides the kernels' weights.
 enum class Normalisation {
-  none,      ///< nothing: Q² as it is, which makes opacities π radius² / 3 times too large on the average
-  constant,  ///< the mean of the lattice's sum of weights; what is left is the kernel's ripple
-  exact      ///< that sum itself, at each pixel
+  none,     ///< nothing: Q² as it is, which makes opacities π radius² / 3 times too large on the average
+  constant  ///< the mean of the lattice's sum of weights; what is left is the kernel's ripple
 };
 std::string name(Normalisation normalisation);
 
