@@ -15,8 +15,6 @@ inline constexpr const char* rle = "1.2.840.10008.1.2.5";
 inline constexpr const char* lossless = "1.2.840.10008.1.2.4.70";
 inline constexpr const char* enhanced_ct = "1.2.840.10008.5.1.4.1.1.2.1";
 
-inline std::string slice_of_samples(int z) { return samples<short>().substr(std::size_t(z) * 40, 40); }
-
 /// All slices of the sample volume in one file.
 inline Dicom all_frames() {
   Dicom frames;

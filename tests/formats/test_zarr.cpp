@@ -151,8 +151,7 @@ TEST_CASE("a Zarr array is read in layers of chunks, in any parts") {
     const auto source = open_volume(write_zarr(folder / (packed ? "a" : "b"), json, packed ? gzip : nullptr));
     CHECK(source->concurrent());
     CHECK(source->layer_depth() == 2);
-    CHECK(read_all(*source) == samples<short>());
-    for (const int z : {2, 0, 1, 1, 2}) CHECK(read_slice(*source, z) == samples<short>().substr(z * 40, 40));
+    CHECK(is_sample(*source));
   }
 }
 
@@ -170,7 +169,7 @@ TEST_CASE("chunks that are in no file, or not in a shard, have the fill value") 
   const auto shard =
       write_shard(folder / "b", samples<short>() + place(80, 40) + nowhere + place(0, 40) + nowhere);
   CHECK(read_all(*open_volume(shard)) ==
-        samples<short>().substr(80, 40) + std::string(40, '\0') + samples<short>().substr(0, 40));
+        samples<short>().substr(80, 40) + std::string(40, '\0') + slice_of_samples(0));
 }
 
 TEST_CASE("the level of an image has the image's place, wherever it is opened from") {
