@@ -1,9 +1,9 @@
 #pragma once
 #include <cmath>
-#include <type_traits>
 #include <vector>
 
 #include "classify/auto_preset.hpp"
+#include "classify/type_of.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
 
@@ -11,15 +11,6 @@
 namespace ringsplat {
 
 inline constexpr int side = 32;
-
-template <class T>
-ScalarType type_of_values() {
-  if constexpr (std::is_same_v<T, float>) return ScalarType::float32;
-  if constexpr (std::is_same_v<T, std::int16_t>) return ScalarType::int16;
-  if constexpr (std::is_same_v<T, std::uint16_t>) return ScalarType::uint16;
-  if constexpr (std::is_same_v<T, std::int32_t>) return ScalarType::int32;
-  return ScalarType::uint8;
-}
 
 /// A cube of `side` voxels a side, by a function of places from -1 to 1.
 template <class T>
@@ -38,7 +29,7 @@ struct Volume {
   }
   ValueStatistics statistics() const {
     const Pass pass = [&](const RowVisitor& visit) { visit(std::as_bytes(std::span(voxels)), side); };
-    return describe_values({.dims = glm::ivec3(side), .type = type_of_values<T>()}, notes, pass);
+    return describe_values({.dims = glm::ivec3(side), .type = type_of<T>()}, notes, pass);
   }
   AutoChoice choice() const {
     auto made = choose_function(statistics());

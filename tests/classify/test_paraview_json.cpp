@@ -85,42 +85,40 @@ TEST_CASE("midpoints and sharpness are sampled, other colour spaces too") {
 }
 
 TEST_CASE("what is wrong with a colour map is named with its field") {
-  REQUIRE(says(refusal(""), "map.json is not JSON"));
-  REQUIRE(says(refusal("hello"), "map.json is not JSON: parse error at line 1"));
-  REQUIRE(says(refusal("[{\"RGBPoints\":[NaN]}]"), "is not JSON"));
-  REQUIRE(says(refusal("[{\"RGBPoints\":[1e999,0,0,0,1,1,1,1]}]"), "is not JSON"));
-  REQUIRE(says(refusal("[]"), "holds 0 colour maps"));
-  REQUIRE(says(refusal("[{},{}]"), "holds 2 colour maps"));
-  REQUIRE(says(refusal("7"), "holds no colour map"));
-  REQUIRE(says(refusal("[[]]"), "holds no colour map"));
-  REQUIRE(says(refusal(map_text(opacities)), "map.json has no RGBPoints"));
-  REQUIRE(says(refusal(map_text(R"("IndexedColors":[1,0,0])")), "indexed colours"));
-  REQUIRE(says(refusal(map_text(R"("RGBPoints":5,)" + opacities)), "RGBPoints: is not a list"));
-  REQUIRE(says(refusal(map_text(R"("RGBPoints":[0,0,0,0,1,1,1],)" + opacities)),
-               "7 numbers are not a multiple of 4"));
-  REQUIRE(says(refusal(map_text(R"("RGBPoints":[0,0,0,0],)" + opacities)), "RGBPoints has 1 point"));
-  REQUIRE(says(refusal(map_text(colours + R"(,"Points":[0,0,0.5,0])")), "Points has 1 point"));
-  REQUIRE(says(refusal(map_text(colours + R"(,"Points":[])")), "Points has 0 points"));
-  REQUIRE(
-      says(refusal(map_text(R"("RGBPoints":[1,0,0,0,0,1,1,1],)" + opacities)), "point 2 at 0 comes after"));
-  REQUIRE(says(refusal(map_text(R"("RGBPoints":[0,0,0,"x",1,1,1,1],)" + opacities)),
-               "entry 4 is not a number: \"x\""));
-  REQUIRE(
-      says(refusal(map_text(R"("RGBPoints":[0,0,0,null,1,1,1,1],)" + opacities)), "entry 4 is not a number"));
-  REQUIRE(says(refusal(map_text(R"("RGBPoints":[0,0,0,0,1,1,1.5,1],)" + opacities)),
-               "colour of point 2 is outside"));
-  REQUIRE(
-      says(refusal(map_text(colours + R"(,"Points":[0,-0.5,0.5,0,1,1,0.5,0])")), "opacity -0.5 of point 1"));
-  REQUIRE(
-      says(refusal(map_text(colours + R"(,"Points":[0,0,1.5,0,1,1,0.5,0])")), "midpoint or sharpness 1.5"));
-  REQUIRE(says(refusal(map_text(colours + "," + opacities + R"(,"NanColor":[1,0])")), "NanColor"));
-  REQUIRE(says(refusal(map_text(colours + "," + opacities + R"(,"NanColor":[1,0,0,1,0,0])")), "NanColor"));
-  REQUIRE(
-      says(refusal(map_text(colours + "," + opacities + R"(,"ColorSpace":"Step")")), "ColorSpace: \"Step\""));
-  REQUIRE(says(refusal(map_text(colours + "," + opacities + R"(,"Name":5)")), "Name: is not a text"));
-  const auto deep = refusal(std::string(100000, '['));
-  REQUIRE(says(deep, "is not JSON"));
-  REQUIRE(deep.find('\n') == std::string::npos);
+  const std::string whole = colours + "," + opacities;
+  const std::pair<std::string, const char*> wrong[] = {
+      {"", "map.json is not JSON"},
+      {"hello", "map.json is not JSON: parse error at line 1"},
+      {R"([{"RGBPoints":[NaN]}])", "is not JSON"},
+      {R"([{"RGBPoints":[1e999,0,0,0,1,1,1,1]}])", "is not JSON"},
+      {std::string(100000, '['), "is not JSON"},
+      {"[]", "holds 0 colour maps"},
+      {"[{},{}]", "holds 2 colour maps"},
+      {"7", "holds no colour map"},
+      {"[[]]", "holds no colour map"},
+      {map_text(opacities), "map.json has no RGBPoints"},
+      {map_text(R"("IndexedColors":[1,0,0])"), "indexed colours"},
+      {map_text(R"("RGBPoints":5,)" + opacities), "RGBPoints: is not a list"},
+      {map_text(R"("RGBPoints":[0,0,0,0,1,1,1],)" + opacities), "7 numbers are not a multiple of 4"},
+      {map_text(R"("RGBPoints":[0,0,0,0],)" + opacities), "RGBPoints has 1 point"},
+      {map_text(colours + R"(,"Points":[0,0,0.5,0])"), "Points has 1 point"},
+      {map_text(colours + R"(,"Points":[])"), "Points has 0 points"},
+      {map_text(R"("RGBPoints":[1,0,0,0,0,1,1,1],)" + opacities), "point 2 at 0 comes after"},
+      {map_text(R"("RGBPoints":[0,0,0,"x",1,1,1,1],)" + opacities), "entry 4 is not a number: \"x\""},
+      {map_text(R"("RGBPoints":[0,0,0,null,1,1,1,1],)" + opacities), "entry 4 is not a number"},
+      {map_text(R"("RGBPoints":[0,0,0,0,1,1,1.5,1],)" + opacities), "colour of point 2 is outside"},
+      {map_text(colours + R"(,"Points":[0,-0.5,0.5,0,1,1,0.5,0])"), "opacity -0.5 of point 1"},
+      {map_text(colours + R"(,"Points":[0,0,1.5,0,1,1,0.5,0])"), "midpoint or sharpness 1.5"},
+      {map_text(whole + R"(,"NanColor":[1,0])"), "NanColor"},
+      {map_text(whole + R"(,"NanColor":[1,0,0,1,0,0])"), "NanColor"},
+      {map_text(whole + R"(,"ColorSpace":"Step")"), "ColorSpace: \"Step\""},
+      {map_text(whole + R"(,"Name":5)"), "Name: is not a text"}};
+  for (const auto& [text, message] : wrong) {
+    const std::string said = refusal(text);
+    CAPTURE(message, said);
+    CHECK(says(said, message));
+    CHECK(said.find('\n') == std::string::npos);
+  }
 }
 
 TEST_CASE("files: read, missing, a folder") {

@@ -30,9 +30,13 @@ struct Volume {
     grid.type = type_of<T>();
     voxels.resize(std::size_t(grid.voxels()));
   }
-  T& at(int x, int y, int z) {
-    return voxels[(std::size_t(z) * std::size_t(grid.dims.y) + std::size_t(y)) * std::size_t(grid.dims.x) +
-                  std::size_t(x)];
+  T& at(int x, int y, int z) { return voxels[index(x, y, z)]; }
+  /// Each voxel is `value(x, y, z)`.
+  template <class F>
+  void fill(F&& value) {
+    for (int z = 0; z < grid.dims.z; ++z)
+      for (int y = 0; y < grid.dims.y; ++y)
+        for (int x = 0; x < grid.dims.x; ++x) at(x, y, z) = T(value(x, y, z));
   }
   std::vector<NormalCode> normals() const {
     const std::size_t slice = std::size_t(grid.dims.x) * std::size_t(grid.dims.y);
@@ -107,10 +111,9 @@ TEST_CASE("a linear field has one normal everywhere, down its slope in the world
   v.grid.spacing = {0.5, 2, 3};
   v.grid.direction = turned();
   const glm::dvec3 slope{0.3, -1.1, 0.7};
-  for (int z = 0; z < 5; ++z)
-    for (int y = 0; y < 6; ++y)
-      for (int x = 0; x < 7; ++x)
-        v.at(x, y, z) = 10 + glm::dot(slope, v.grid.direction * (v.grid.spacing * glm::dvec3(x, y, z)));
+  v.fill([&](int x, int y, int z) {
+    return 10 + glm::dot(slope, v.grid.direction * (v.grid.spacing * glm::dvec3(x, y, z)));
+  });
   const auto expected = encode_normal(-slope);
   for (const auto code : v.normals()) REQUIRE(code == expected);
 
@@ -128,10 +131,9 @@ TEST_CASE("oblique axes: the gradient transforms by the inverse transpose") {
   v.grid.direction = glm::dmat3(1, 0, 0, 0, 1, 0, 0, std::sin(0.4), std::cos(0.4));  // a tilted gantry
   v.grid.spacing = {1, 1, 2};
   const glm::dvec3 slope{1, 2, -1};
-  for (int z = 0; z < 5; ++z)
-    for (int y = 0; y < 5; ++y)
-      for (int x = 0; x < 5; ++x)
-        v.at(x, y, z) = float(glm::dot(slope, v.grid.direction * (v.grid.spacing * glm::dvec3(x, y, z))));
+  v.fill([&](int x, int y, int z) {
+    return glm::dot(slope, v.grid.direction * (v.grid.spacing * glm::dvec3(x, y, z)));
+  });
   for (const auto code : v.normals()) REQUIRE(degrees_between(decode_normal(code), -slope) < quantisation);
 }
 
@@ -176,9 +178,7 @@ TEST_CASE("denormal and huge differences have normals") {
     require_reference(v);
   }
   Volume<float> v({4, 4, 4});
-  for (int z = 0; z < 4; ++z)
-    for (int y = 0; y < 4; ++y)
-      for (int x = 0; x < 4; ++x) v.at(x, y, z) = 1e-42F * float(x);
+  v.fill([](int x, int, int) { return 1e-42F * float(x); });
   for (const auto code : v.normals()) REQUIRE(decode_normal(code) == glm::dvec3(-1, 0, 0));
 }
 
@@ -215,11 +215,9 @@ TEST_CASE("the normals of a ball point outward") {
   constexpr int n = 33;
   Volume<std::uint8_t> v({n, n, n});
   const glm::dvec3 centre(16);
-  for (int z = 0; z < n; ++z)
-    for (int y = 0; y < n; ++y)
-      for (int x = 0; x < n; ++x)
-        v.at(x, y, z) = std::uint8_t(
-            std::lround(std::clamp(255 - 14 * glm::distance(glm::dvec3(x, y, z), centre), 0.0, 255.0)));
+  v.fill([&](int x, int y, int z) {
+    return std::lround(std::clamp(255 - 14 * glm::distance(glm::dvec3(x, y, z), centre), 0.0, 255.0));
+  });
   const auto codes = v.normals();
   int checked = 0;
   for (int z = 0; z < n; ++z)
