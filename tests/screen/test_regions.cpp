@@ -67,15 +67,6 @@ TEST_CASE("regions may be wider than high", "[regions]") {
   CHECK_THROWS_AS(Regions(300, 100, 128, 0), InputError);
 }
 
-TEST_CASE("regions are numbered row by row and the last ones are smaller", "[regions]") {
-  const Regions regions(300, 200, 128);
-  CHECK(regions.columns() == 3);
-  CHECK(regions.rows() == 2);
-  CHECK(regions.rect(0) == PixelRect{0, 0, 128, 128});
-  CHECK(regions.rect(2) == PixelRect{256, 0, 300, 128});
-  CHECK(regions.rect(5) == PixelRect{256, 128, 300, 200});
-}
-
 TEST_CASE("a region larger than the screen is the screen", "[regions]") {
   const Regions regions(300, 200, std::numeric_limits<int>::max());
   REQUIRE(regions.count() == 1);

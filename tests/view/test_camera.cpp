@@ -8,6 +8,7 @@
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/view/view.hpp"
 #include "support/catch.hpp"
+#include "support/message_of.hpp"
 #include "view/matrices.hpp"
 
 using namespace ringsplat;
@@ -213,14 +214,9 @@ TEST_CASE("a matrix composed with an origin of 1e9 keeps the picture's digits") 
 
 TEST_CASE("bad cameras are refused with a message that names what is wrong") {
   const auto fails = [](const Camera& camera, int width, const std::string& words) {
-    std::string message = "no error";
-    try {
-      make_view(camera, cube, width, 10);
-    } catch (const InputError& error) {
-      message = error.what();
-    }
-    INFO(message << "  should name  " << words);
-    REQUIRE(message.find(words) != std::string::npos);
+    const std::string message = message_of([&] { make_view(camera, cube, width, 10); });
+    CAPTURE(message, words);
+    REQUIRE(says(message, words));
   };
   using Matrix = std::array<double, 12>;
   fails({.azimuth = nan_value}, 10, "azimuth");

@@ -52,15 +52,6 @@ TEST_CASE("each axis-aligned view walks its axis from the viewer on") {
     }
 }
 
-TEST_CASE("slice_at runs up or down") {
-  Traversal t;
-  REQUIRE(t.slice_at(0, 10) == 0);
-  REQUIRE(t.slice_at(9, 10) == 9);
-  t.ascending = false;
-  REQUIRE(t.slice_at(0, 10) == 9);
-  REQUIRE(t.slice_at(9, 10) == 0);
-}
-
 TEST_CASE("ties go to z before y before x") {
   for (const double azimuth : {45.0, 135.0, 225.0, -45.0, 315.0})
     REQUIRE(traversal_of({.azimuth = azimuth}).axis == Axis::y);             // x and y
@@ -76,15 +67,6 @@ TEST_CASE("ties go to z before y before x") {
   REQUIRE(traversal_of({.azimuth = 45 - 1e-6}).axis == Axis::y);
   REQUIRE(traversal_of({.azimuth = 45 + 1e-8}).axis == Axis::y);  // |cos| differ by 3.5e-10
   REQUIRE(traversal_of({.elevation = 45 - 1e-6}).axis == Axis::y);
-}
-
-TEST_CASE("the slice distance is one over the cosine for cubic voxels") {
-  for (const double degrees : {0.0, 10.0, 30.0, 44.9}) {
-    const double cosine = std::cos(degrees * std::acos(-1.0) / 180);
-    const auto t = traversal_of({.azimuth = degrees});
-    REQUIRE(t.cos_angle == Approx(cosine).epsilon(1e-14));
-    REQUIRE(t.slice_distance == Approx(1 / cosine).epsilon(1e-14));
-  }
 }
 
 TEST_CASE("anisotropic voxels: the angle is the world's, the distance is in smallest spacings") {
@@ -134,18 +116,6 @@ TEST_CASE("the set that a ray crosses most goes by spacing, and takes more slabs
       CHECK(t.axis == traversal_of({.azimuth = azimuth, .elevation = elevation}).axis);
       for (int slabs = 1; slabs <= 4; ++slabs) CHECK(t.slabs_for(slabs) == slabs);
     }
-}
-
-TEST_CASE("slices of an oblique lattice are as far apart as their normal says") {
-  LatticeFrame lattice{.dims = {64, 64, 20}, .spacing = {1.0, 0.8, 2.0}};
-  lattice.direction[2] = glm::normalize(glm::dvec3(0.3, -0.4, 1.0));
-  // z slices stay horizontal; their distance is the rise of the shifted step.
-  const double apart = 2.0 * lattice.direction[2].z / 0.8;
-  for (const double beside : {0.0, 10.0, 25.0}) {
-    const auto t = traversal_of({.elevation = 90 - beside}, lattice);
-    REQUIRE(t.axis == Axis::z);
-    REQUIRE(t.slice_distance == Approx(apart / std::cos(beside * std::acos(-1.0) / 180)).epsilon(1e-13));
-  }
 }
 
 TEST_CASE("a mirrored lattice is walked the other way") {
