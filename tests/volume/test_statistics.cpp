@@ -41,23 +41,17 @@ TEST_CASE("a range of NaN only is empty and merging it changes nothing but the c
 }
 
 TEST_CASE("ranges reach the ends of every type", "[statistics]") {
-  const auto reach = [](auto zero, ScalarType type) {
-    using T = decltype(zero);
-    ValueRange range;
-    range.add(type,
-              bytes(std::vector<T>{T(1), std::numeric_limits<T>::max(), std::numeric_limits<T>::lowest()}));
-    CHECK(range.low == double(std::numeric_limits<T>::lowest()));
-    CHECK(range.high == double(std::numeric_limits<T>::max()));
-    CHECK(range.finite == 3);
-  };
-  reach(std::int8_t{}, ScalarType::int8);
-  reach(std::uint8_t{}, ScalarType::uint8);
-  reach(std::int16_t{}, ScalarType::int16);
-  reach(std::uint16_t{}, ScalarType::uint16);
-  reach(std::int32_t{}, ScalarType::int32);
-  reach(std::uint32_t{}, ScalarType::uint32);
-  reach(float{}, ScalarType::float32);
-  reach(double{}, ScalarType::float64);
+  for (const ScalarType type :
+       {ScalarType::int8, ScalarType::uint8, ScalarType::int16, ScalarType::uint16, ScalarType::int32,
+        ScalarType::uint32, ScalarType::float32, ScalarType::float64})
+    visit_type(type, [type](auto zero) {
+      using Limits = std::numeric_limits<decltype(zero)>;
+      ValueRange range;
+      range.add(type, bytes(std::vector{decltype(zero)(1), Limits::max(), Limits::lowest()}));
+      CHECK(range.low == double(Limits::lowest()));
+      CHECK(range.high == double(Limits::max()));
+      CHECK(range.finite == 3);
+    });
 }
 
 TEST_CASE("a histogram's bins are half open but for the last", "[statistics]") {
