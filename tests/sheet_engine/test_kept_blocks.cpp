@@ -127,7 +127,7 @@ TEST_CASE("frames that nobody wants any more leave what later ones rely on") {
   std::vector<Image> alone;
   for (const FrameSpec& spec : specs) alone.push_back(browse(grid, {spec}, {1, 1}, 0).pictures.at(0));
   std::size_t dropped = 0;
-  for (std::uint64_t seed = 1; seed < 40; ++seed) {
+  for (std::uint64_t seed = 1; seed < 40; seed += 2) {
     std::map<std::int64_t, int> asked;
     const auto unwanted = [&](const FrameSpec& spec) {
       return spec.frame % 3 == 1 && ++asked[spec.frame] > int(37 * seed % 400);
