@@ -37,4 +37,16 @@ bool take_part(std::span<const std::byte>& input, std::span<const std::byte>& pa
   return true;
 }
 
+Input input_of_parts(std::initializer_list<std::string_view> parts) {
+  Input input;
+  for (const std::string_view part : parts) append_part(input, bytes_of_input(part));
+  return input;
+}
+
+void take_parts(std::span<const std::byte> input, std::initializer_list<std::string*> parts) {
+  std::span<const std::byte> part;
+  for (std::string* const text : parts)
+    if (take_part(input, part)) *text = text_of(part);
+}
+
 }  // namespace ringsplat::fuzz

@@ -56,5 +56,12 @@ inline unsigned take_choice(std::span<const std::byte>& input) {
 void append_part(Input& input, std::span<const std::byte> part);
 /// Takes the next part, or what is left of one that is cut short. False at the end.
 bool take_part(std::span<const std::byte>& input, std::span<const std::byte>& part);
+/// An input of texts, and those texts; empty ones where it ends before.
+Input input_of_parts(std::initializer_list<std::string_view> parts);
+void take_parts(std::span<const std::byte> input, std::initializer_list<std::string*> parts);
+
+// Seeds in files of their own.
+std::vector<Input> hdf5_seeds();  ///< every layout, the old and the new format, and each convention
+std::vector<Input> tiff_seeds();  ///< byte orders, strips, tiles, packed with PackBits or deflate; a PNG file
 
 }  // namespace ringsplat::fuzz

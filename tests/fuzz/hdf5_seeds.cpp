@@ -1,6 +1,5 @@
-#include "fuzz/hdf5_seeds.hpp"
-
 #include "formats/hdf5_files.hpp"
+#include "fuzz/driver.hpp"
 
 namespace ringsplat::fuzz {
 namespace {

@@ -9,11 +9,13 @@
 #include <functional>
 #include <map>
 
+#include "formats/files.hpp"
 #include "fuzz/mutate.hpp"
 #include "fuzz/watch.hpp"
 
 using namespace ringsplat::fuzz;
 namespace fs = std::filesystem;
+using files::slurp;
 
 namespace {
 
@@ -30,11 +32,6 @@ struct Options {
 
 double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-Input slurp(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 std::vector<Input> files_in(const fs::path& folder) {

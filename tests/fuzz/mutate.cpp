@@ -9,62 +9,21 @@
 namespace ringsplat::fuzz {
 namespace {
 
-/// Values at which sizes, signs and byte counts overflow.
-constexpr std::array<std::int64_t, 24> integers{0,
-                                                1,
-                                                2,
-                                                3,
-                                                7,
-                                                8,
-                                                16,
-                                                64,
-                                                100,
-                                                127,
-                                                128,
-                                                255,
-                                                256,
-                                                1024,
-                                                4096,
-                                                32767,
-                                                32768,
-                                                65535,
-                                                65536,
-                                                std::numeric_limits<std::int32_t>::max(),
-                                                std::int64_t{1} << 31,
-                                                std::int64_t{1} << 32,
-                                                std::numeric_limits<std::int64_t>::max(),
-                                                -1};
+constexpr auto int_max = std::numeric_limits<std::int32_t>::max();
+constexpr auto long_max = std::numeric_limits<std::int64_t>::max();
 
-constexpr std::array<std::string_view, 30> numbers{"0",
-                                                   "1",
-                                                   "-1",
-                                                   "2",
-                                                   "3",
-                                                   "4",
-                                                   "-3",
-                                                   "10",
-                                                   "255",
-                                                   "65536",
-                                                   "1000000",
-                                                   "2147483647",
-                                                   "-2147483648",
-                                                   "4294967295",
-                                                   "4294967296",
-                                                   "1e9",
-                                                   "9223372036854775807",
-                                                   "99999999999999999999",
-                                                   "0.5",
-                                                   "-0",
-                                                   "1e-300",
-                                                   "1e300",
-                                                   "1e999",
-                                                   "nan",
-                                                   "inf",
-                                                   "-inf",
-                                                   "0x10",
-                                                   "1e",
-                                                   "",
-                                                   "1 2"};
+/// Values at which sizes, signs and byte counts overflow.
+constexpr std::int64_t integers[] = {0,     1,     2,     3,       7,         8,         16,       64,
+                                     100,   127,   128,   255,     256,       1024,      4096,     32767,
+                                     32768, 65535, 65536, int_max, 1LL << 31, 1LL << 32, long_max, -1};
+
+// As many to a line as fit.
+// clang-format off
+constexpr std::string_view numbers[] = {
+    "0", "1", "-1", "2", "3", "4", "-3", "10", "255", "65536", "1000000", "2147483647", "-2147483648",
+    "4294967295", "4294967296", "1e9", "9223372036854775807", "99999999999999999999", "0.5", "-0", "1e-300",
+    "1e300", "1e999", "nan", "inf", "-inf", "0x10", "1e", "", "1 2"};
+// clang-format on
 
 bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; }
 
@@ -119,7 +78,7 @@ void Mutator::set_byte(Input& input) { input[below(input.size())] = char(below(2
 
 void Mutator::set_integer(Input& input) {
   const std::size_t bytes = std::min(std::size_t{1} << below(4), input.size());
-  const std::int64_t value = integers[below(integers.size())];
+  const std::int64_t value = integers[below(std::size(integers))];
   std::array<char, sizeof value> raw{};
   std::memcpy(raw.data(), &value, sizeof value);
   if (below(4) == 0) std::reverse(raw.begin(), raw.begin() + std::ptrdiff_t(bytes));
@@ -181,7 +140,7 @@ void Mutator::put_word(Input& input) {
 void Mutator::replace_number(Input& input) {
   const auto begin = std::find_if(input.begin() + std::ptrdiff_t(below(input.size())), input.end(), is_digit);
   if (begin == input.end()) return set_integer(input);
-  input.replace(begin, std::find_if_not(begin, input.end(), is_digit), numbers[below(numbers.size())]);
+  input.replace(begin, std::find_if_not(begin, input.end(), is_digit), numbers[below(std::size(numbers))]);
 }
 
 void Mutator::move_line(Input& input) {

@@ -1,9 +1,8 @@
-#include "fuzz/tiff_seeds.hpp"
-
 #include <algorithm>
 #include <map>
 
 #include "formats/files.hpp"
+#include "fuzz/driver.hpp"
 
 namespace ringsplat::fuzz {
 namespace {

@@ -16,8 +16,6 @@
 #include "formats/vti.hpp"
 #include "formats/zarr.hpp"
 #include "fuzz/driver.hpp"
-#include "fuzz/hdf5_seeds.hpp"
-#include "fuzz/tiff_seeds.hpp"
 #include "options/option_list.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/formats/open.hpp"
@@ -49,6 +47,8 @@ void use(VolumeSource& source, std::uint64_t available, std::uint64_t ratio) {
   if (slice != again) throw std::logic_error("reading a slice twice gives two results");
 }
 
+bool is_zipped(std::span<const std::byte> input) { return text_of(input).starts_with("\x1f\x8b"); }
+
 bool contains(std::string_view text, std::string_view part) { return text.find(part) != text.npos; }
 
 /// The sample volume's points from slice z to the next.
@@ -69,8 +69,7 @@ const fs::path& folder_of_volumes() {
     write(path / "data.raw.gz", gzip("123" + little));
     write(path / "data.zraw", zlib_stream(little));
     write(path / "a.img", little);
-    for (int z = 0; z < nz; ++z)
-      write(path / fmt::format("s{}.bin", z), little.substr(std::size_t(z) * 40, 40));
+    for (int z = 0; z < nz; ++z) write(path / fmt::format("s{}.bin", z), slice_of_samples(z));
     for (const int z : {0, 1}) write(path / fmt::format("p{}.vti", z), vti_piece(z).file());
     return path;
   }();
@@ -96,7 +95,6 @@ std::vector<Input> with_kept(const std::string& prefix, std::vector<Input> seeds
 
 std::vector<Input> with_header(std::string_view header,
                                const std::vector<std::pair<std::string, std::string>>& rest) {
-  folder_of_volumes();
   std::vector<Input> seeds;
   for (const auto& [fields, data] : rest) seeds.push_back(std::string(header) + fields + data);
   return seeds;
@@ -132,24 +130,21 @@ void run_nrrd(std::span<const std::byte> input) {
   open_and_use(contains(text, "data file") || contains(text, "datafile") ? "a.nhdr" : "a.nrrd", input);
 }
 
-/// Of time points, vectors and colours.
-std::vector<Input> nrrd_seeds_of_more_axes() {
+/// With those of time points, vectors and colours.
+std::vector<Input> all_nrrd_seeds() {
+  auto seeds = nrrd_seeds();
   const auto little = samples<short>();
   const auto with = [&](const std::string& fields) {
     return "NRRD0005\ntype: short\nencoding: raw\nendian: little\n" + fields + "\n" + little;
   };
-  return {
-      with("dimension: 4\nsizes: 5 4 1 3\nkinds: domain domain domain time\n"),
-      with("dimension: 4\nsizes: 3 5 4 1\nkinds: list domain domain domain\n"),
-      with("dimension: 4\nsizes: 3 5 4 1\nkinds: RGB-color space space space\nspace: left-anterior-superior\n"
-           "space directions: none (1,0,0) (0,2,0) (0,0.5,3)\n"),
-      "NRRD0005\ntype: uint8\nencoding: gzip\ndimension: 4\nsizes: 5 4 1 3\n\n" +
-          gzip(samples<std::uint8_t>())};
-}
-
-std::vector<Input> all_nrrd_seeds() {
-  auto seeds = nrrd_seeds();
-  for (auto& more : nrrd_seeds_of_more_axes()) seeds.push_back(std::move(more));
+  for (const auto& more : {with("dimension: 4\nsizes: 5 4 1 3\nkinds: domain domain domain time\n"),
+                           with("dimension: 4\nsizes: 3 5 4 1\nkinds: list domain domain domain\n"),
+                           with("dimension: 4\nsizes: 3 5 4 1\nkinds: RGB-color space space space\nspace: "
+                                "left-anterior-superior\n"
+                                "space directions: none (1,0,0) (0,2,0) (0,0.5,3)\n"),
+                           "NRRD0005\ntype: uint8\nencoding: gzip\ndimension: 4\nsizes: 5 4 1 3\n\n" +
+                               gzip(samples<std::uint8_t>())})
+    seeds.push_back(more);
   return seeds;
 }
 
@@ -182,7 +177,6 @@ void run_meta(std::span<const std::byte> input) {
 }
 
 std::vector<Input> nifti_seeds() {
-  folder_of_volumes();
   const auto little = samples<short>();
   Nifti pair, scaled, floats;
   pair.magic = "ni1";
@@ -207,8 +201,8 @@ std::vector<Input> nifti_seeds() {
 
 void run_nifti(std::span<const std::byte> input) {
   const auto text = text_of(input);
-  const bool zipped = text.starts_with("\x1f\x8b"), pair = text.size() >= 347 && text.substr(344, 3) == "ni1";
-  open_and_use(zipped ? "a.nii.gz" : pair ? "a.hdr" : "a.nii", input);
+  const bool pair = text.size() >= 347 && text.substr(344, 3) == "ni1";
+  open_and_use(is_zipped(input) ? "a.nii.gz" : pair ? "a.hdr" : "a.nii", input);
 }
 
 std::vector<Input> vtk_seeds() {
@@ -227,7 +221,6 @@ std::vector<Input> vtk_seeds() {
 }
 
 std::vector<Input> npy_seeds() {
-  folder_of_volumes();
   const auto little = samples<short>();
   const std::string bytes = samples<std::uint8_t>();
   return {npy("<i2", "(3, 4, 5)") + little,          npy(">i2", "(3, 4, 5)", 2) + samples<short>(true),
@@ -236,13 +229,7 @@ std::vector<Input> npy_seeds() {
           npy("|b1", "(1, 1, 4, 5, 3)") + bytes};
 }
 
-constexpr std::uint64_t half_ratio = 2;
-void run_npy(std::span<const std::byte> input) { open_and_use("a.npy", input, half_ratio); }
-
-void run_vtk(std::span<const std::byte> input) { open_and_use("a.vtk", input); }
-
 std::vector<Input> vti_seeds() {
-  folder_of_volumes();
   std::vector<Input> seeds;
   for (const auto& [format, encoding, compressor] :
        {std::tuple("appended", "raw", ""), std::tuple("appended", "raw", "ZLib"),
@@ -288,8 +275,6 @@ void run_tiff(std::span<const std::byte> input) {
   use(*open_volume(folder), input.size(), any_ratio);
 }
 
-void run_hdf5(std::span<const std::byte> input) { open_and_use("a.h5", input, any_ratio); }
-
 /// A header of words of four bytes, numbered from 1.
 std::string mrc(int mode, const std::string& voxels, bool big_endian = false) {
   std::string file(1024, '\0');
@@ -308,17 +293,15 @@ std::string mrc(int mode, const std::string& voxels, bool big_endian = false) {
 }
 
 std::vector<Input> mrc_seeds() {
-  folder_of_volumes();
   return {mrc(0, samples<std::int8_t>()), mrc(1, samples<short>(true), true), mrc(2, samples<float>()),
           mrc(12, samples<short>()), gzip(mrc(6, samples<short>()))};
 }
 
 void run_mrc(std::span<const std::byte> input) {
-  open_and_use(text_of(input).starts_with("\x1f\x8b") ? "a.map.gz" : "a.mrc", input, 2 * deflate_ratio);
+  open_and_use(is_zipped(input) ? "a.map.gz" : "a.mrc", input, 2 * deflate_ratio);
 }
 
 std::vector<Input> mgh_seeds() {
-  folder_of_volumes();
   Mgh bytes, nowhere;
   bytes.type = 0;
   bytes.sizes = {nx, ny, 1, nz};
@@ -327,12 +310,9 @@ std::vector<Input> mgh_seeds() {
           gzip(nowhere.header() + samples<short>(true))};
 }
 
-void run_mgh(std::span<const std::byte> input) {
-  open_and_use(text_of(input).starts_with("\x1f\x8b") ? "a.mgz" : "a.mgh", input);
-}
+void run_mgh(std::span<const std::byte> input) { open_and_use(is_zipped(input) ? "a.mgz" : "a.mgh", input); }
 
 std::vector<Input> fits_seeds() {
-  folder_of_volumes();
   const auto big = samples<short>(true);
   const std::map<std::string, std::string> lengths{
       {"CUNIT1", "'kpc'"}, {"CUNIT2", "'kpc'"}, {"CUNIT3", "'kpc'"}, {"CDELT1", "2"},
@@ -345,37 +325,30 @@ std::vector<Input> fits_seeds() {
 }
 
 void run_fits(std::span<const std::byte> input) {
-  open_and_use(text_of(input).starts_with("\x1f\x8b") ? "a.fits.gz" : "a.fits", input, 2 * deflate_ratio);
+  open_and_use(is_zipped(input) ? "a.fits.gz" : "a.fits", input, 2 * deflate_ratio);
 }
+
+constexpr std::int64_t most_voxels_in_chunks = 10'000;  // each may be a file
 
 /// Parts: an array's metadata, and the bytes of both its blocks.
 std::vector<Input> n5_seeds() {
   const auto block = samples<short>(true).substr(0, 80);
-  std::vector<Input> seeds;
-  for (const auto& [metadata, values] :
-       {std::pair(n5_json({{"2]", "2], \"resolution\": [1, 2, 3], \"units\": [\"nm\", \"nm\", \"nm\"]"}}),
-                  block),
-        std::pair(n5_json({{"raw", "gzip"}}), gzip(block)),
-        std::pair(n5_json({{"raw", "xz"}}), xz_stream(block))}) {
-    Input input;
-    for (const auto& part : {metadata, n5_head(2) + values}) append_part(input, bytes_of_input(part));
-    seeds.push_back(input);
-  }
-  return seeds;
+  const auto with_sizes = n5_json({{"2]", R"(2], "resolution": [1, 2, 3], "units": ["nm", "nm", "nm"])"}});
+  return {input_of_parts({with_sizes, n5_head(2) + block}),
+          input_of_parts({n5_json({{"raw", "gzip"}}), n5_head(2) + gzip(block)}),
+          input_of_parts({n5_json({{"raw", "xz"}}), n5_head(2) + xz_stream(block)})};
 }
 
 void run_n5(std::span<const std::byte> input) {
   std::string metadata, block;
-  std::span<const std::byte> part, rest = input;
-  for (auto* text : {&metadata, &block})
-    if (take_part(rest, part)) *text = text_of(part);
+  take_parts(input, {&metadata, &block});
   const fs::path folder = scratch() / "n5";
   fs::create_directories(folder / "0/0");
   write(folder / "attributes.json", metadata);
   for (const char* name : {"0/0/0", "0/0/1"}) write(folder / name, block);
   const auto source = open_volume(folder);
-  constexpr std::int64_t most_voxels = 10'000;  // each may be a file
-  if (source->grid().voxels() <= most_voxels) use(*source, 4 * block.size() + metadata.size(), any_ratio);
+  if (source->grid().voxels() <= most_voxels_in_chunks)
+    use(*source, 4 * block.size() + metadata.size(), any_ratio);
 }
 
 /// Parts: an array's metadata, what its group or its attributes say, and the bytes of each chunk.
@@ -390,64 +363,51 @@ std::vector<Input> zarr_seeds() {
            compressor + R"(, "fill_value": 7, "order": "F", "dimension_separator": "/", "filters": []})";
   };
   const auto chunk = zarr_chunk(0);
-  std::vector<Input> seeds;
-  for (const auto& [metadata, values] :
-       {std::pair(zarr_json(), chunk), std::pair(zarr_json({{"}]", zarr_gzip}}), gzip(chunk)),
-        std::pair(version_2("null"), chunk), std::pair(version_2(R"({"id": "zlib"})"), zlib_stream(chunk)),
-        std::pair(
-            zarr_json({{bytes, R"({"name": "sharding_indexed", "configuration": {"chunk_shape": [1, 2, 5],
+  return {input_of_parts({zarr_json(), image, chunk}),
+          input_of_parts({zarr_json({{"}]", zarr_gzip}}), image, gzip(chunk)}),
+          input_of_parts({version_2("null"), image, chunk}),
+          input_of_parts({version_2(R"({"id": "zlib"})"), image, zlib_stream(chunk)}),
+          input_of_parts(
+              {zarr_json({{bytes, R"({"name": "sharding_indexed", "configuration": {"chunk_shape": [1, 2, 5],
  "codecs": [{"name": "transpose", "configuration": {"order": [2, 0, 1]}}, {"name": "bytes"}], "index_codecs":
  [{"name": "bytes"}, {"name": "crc32c"}]}})"}}),
-            chunk.substr(0, 60) + bytes_of(0ULL) + bytes_of(20ULL) + bytes_of(20ULL) + bytes_of(20ULL) +
-                bytes_of(~0ULL) + bytes_of(~0ULL) + bytes_of(40ULL) + bytes_of(20ULL) + "abcd"),
-        std::pair(version_2(R"({"id": "blosc"})"),
-                  std::string("\2\1\x33\2\x50\0\0\0\x50\0\0\0\x60\0\0\0", 16) + chunk)}) {
-    Input input;
-    for (const auto& part : {metadata, image, values}) append_part(input, bytes_of_input(part));
-    seeds.push_back(input);
-  }
-  return seeds;
+               image,
+               chunk.substr(0, 60) + bytes_of(0ULL) + bytes_of(20ULL) + bytes_of(20ULL) + bytes_of(20ULL) +
+                   bytes_of(~0ULL) + bytes_of(~0ULL) + bytes_of(40ULL) + bytes_of(20ULL) + "abcd"}),
+          input_of_parts({version_2(R"({"id": "blosc"})"), image,
+                          std::string("\2\1\x33\2\x50\0\0\0\x50\0\0\0\x60\0\0\0", 16) + chunk})};
 }
 
 void run_zarr(std::span<const std::byte> input) {
-  std::vector<std::string> parts(3);
-  std::span<const std::byte> part, rest = input;
-  for (auto& text : parts)
-    if (take_part(rest, part)) text = text_of(part);
+  std::string array, image, values;
+  take_parts(input, {&array, &image, &values});
   const fs::path folder = scratch() / "zarr";
   fs::remove_all(folder);
   for (const char* chunk : {"0.0.0", "0/0/0", "c/0/0/0", "c/1/0/0"}) {
     fs::create_directories((folder / "0" / chunk).parent_path());
-    write(folder / "0" / chunk, parts[2]);
+    write(folder / "0" / chunk, values);
   }
-  const bool version_2 = contains(parts[0], "dtype");
-  write(folder / "0" / (version_2 ? ".zarray" : "zarr.json"), parts[0]);
-  write(folder / (version_2 ? ".zgroup" : "zarr.json"),
-        version_2 ? "{}"
-                  : R"({"zarr_format": 3, "node_type": "group", "attributes": {"ome": )" + parts[1] + "}}");
-  write(folder / ".zattrs", parts[1]);
+  const bool version_2 = contains(array, "dtype");
+  write(folder / "0" / (version_2 ? ".zarray" : "zarr.json"), array);
+  write(
+      folder / (version_2 ? ".zgroup" : "zarr.json"),
+      version_2 ? "{}" : R"({"zarr_format": 3, "node_type": "group", "attributes": {"ome": )" + image + "}}");
+  write(folder / ".zattrs", image);
   const auto source = open_volume(folder);
-  constexpr std::int64_t most_voxels = 10'000;  // each may be a file
-  if (source->grid().voxels() <= most_voxels) use(*source, 4 * parts[2].size(), any_ratio);
+  if (source->grid().voxels() <= most_voxels_in_chunks) use(*source, 4 * values.size(), any_ratio);
 }
 
 /// Parts: Header, Cell_H, and the bytes of both files of values.
 std::vector<Input> amrex_seeds() {
   std::vector<Input> seeds;
-  for (const auto& plot : {Plotfile(), Plotfile(true, true)}) {
-    Input input;
-    for (const auto& part : {plot.header, plot.cells, plot.fabs[0], plot.fabs[1]})
-      append_part(input, bytes_of_input(part));
-    seeds.push_back(input);
-  }
+  for (const auto& plot : {Plotfile(), Plotfile(true, true)})
+    seeds.push_back(input_of_parts({plot.header, plot.cells, plot.fabs[0], plot.fabs[1]}));
   return seeds;
 }
 
 void run_amrex(std::span<const std::byte> input) {
   Plotfile plot;
-  std::span<const std::byte> part, rest = input;
-  for (auto* text : {&plot.header, &plot.cells, &plot.fabs[0], &plot.fabs[1]})
-    if (take_part(rest, part)) *text = text_of(part);
+  take_parts(input, {&plot.header, &plot.cells, &plot.fabs[0], &plot.fabs[1]});
   const auto source = open_volume(plot.write_to(scratch() / "amrex"));
   use(*source, input.size() + bytes_beside, 2);  // boxes may share bytes
 }
@@ -523,16 +483,10 @@ void run_raw(std::span<const std::byte> input) {
   std::replace_if(
       name.begin(), name.end(), [](char c) { return c == '/' || c == '\0'; }, '_');
   const fs::path folder = folder_of_volumes() / "raw";
+  fs::remove_all(folder);  // of the last input
   fs::create_directories(folder);
-  const fs::path path = folder / ("n" + name.substr(0, 200));
-  write(path, std::string(text));
-  try {
-    use(*open_volume(path, raw), input.size(), 1);
-  } catch (...) {
-    fs::remove(path);
-    throw;
-  }
-  fs::remove(path);
+  const fs::path path = write(folder / ("n" + name.substr(0, 200)), std::string(text));
+  use(*open_volume(path, raw), input.size(), 1);
 }
 
 using Words = std::vector<std::string_view>;
@@ -555,6 +509,7 @@ const Words meta_words{
     "ElementToIntensityFunctionSlope = ", "Modality = ", "ObjectType = ", "ObjectSubType = ", "Color = ",
     "AnatomicalOrientation = ", "Comment = ", "Name = ", "ID = ", "Orientation = ", "Rotation = ", "a.mhd",
     "data.zraw", "."};
+const Words nifti_words{"n+1", "ni1", "n+2", "\x1f\x8b", "\x5c\x01", "\x01\x5c", "\x1c\x02", "\x02\x1c"};
 const Words dicom_words{
     "DICM", "OW", "OB", "UN", "SQ", "US", "1.2.840.10008.1.2", "1.2.840.10008.1.2.2",
     "1.2.840.10008.1.2.1.99", "1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.70", "1.2.840.10008.1.2.4.90",
@@ -604,19 +559,16 @@ const Words raw_words{
 }  // namespace
 
 std::vector<Driver> volume_drivers() {
+  folder_of_volumes();  // made here, so that no child makes its own
   return {{"nrrd", run_nrrd, all_nrrd_seeds, nrrd_words, 6000},
           {"meta", run_meta, meta_seeds, meta_words, 6000},
-          {"nifti",
-           run_nifti,
-           nifti_seeds,
-           {"n+1", "ni1", "n+2", "\x1f\x8b", "\x5c\x01", "\x01\x5c", "\x1c\x02", "\x02\x1c"},
-           6000},
+          {"nifti", run_nifti, nifti_seeds, nifti_words, 6000},
           {"dicom", run_dicom, dicom_seeds, dicom_words, 800},
           {"tiff", run_tiff, tiff_seeds, tiff_words, 800},
-          {"vtk", run_vtk, vtk_seeds, vtk_words, 6000},
+          {"vtk", [](auto input) { open_and_use("a.vtk", input); }, vtk_seeds, vtk_words, 6000},
           {"vti", run_vti, vti_seeds, vti_words, 6000},
-          {"npy", run_npy, npy_seeds, npy_words, 6000},
-          {"hdf5", run_hdf5, hdf5_seeds, hdf5_words, 800},
+          {"npy", [](auto input) { open_and_use("a.npy", input, 2); }, npy_seeds, npy_words, 6000},
+          {"hdf5", [](auto input) { open_and_use("a.h5", input, any_ratio); }, hdf5_seeds, hdf5_words, 800},
           {"mrc", run_mrc, mrc_seeds, {"MAP ", "IMOD", "DD\x11\x11", "\x1f\x8b"}, 6000},
           {"mgh", run_mgh, mgh_seeds, {"\x1f\x8b", std::string_view("\0\0\0\1", 4), "\x7f\xc0"}, 6000},
           {"fits", run_fits, fits_seeds, fits_words, 6000},
