@@ -1,4 +1,3 @@
-#include <limits>
 #include <numbers>
 
 #include "pixel_bounds.hpp"
@@ -13,8 +12,6 @@ namespace {
 
 constexpr int size = 64;
 constexpr double wanted = 0.1 / 255, wanted_lit = 0.5 / 255;
-constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
-                 infinity = std::numeric_limits<double>::infinity();
 
 struct Case {
   const char* name;
@@ -30,19 +27,12 @@ TransferFunction with_opacities(std::vector<TransferFunction::OpacityPoint> poin
   return tf;
 }
 
-double lumps(int x, int y, int z) { return lumps_in_ball((x + 0.5) / 16, (y + 0.5) / 16, (z + 0.5) / 16); }
-
 std::vector<Case> hard_cases() {
   const TransferFunction ramp = with_opacities({{0.1, 0}, {1, 0.6}}),
                          jump = with_opacities({{0, 0}, {0.4, 0}, {0.4, 0.5}, {0.7, 0.5}, {0.7, 0.02}}),
                          spikes = with_opacities(
                              {{0.3, 0}, {0.32, 0.7}, {0.34, 0}, {0.6, 0}, {0.61, 0.5}, {0.62, 0}}),
                          opaque = with_opacities({{0.2, 0}, {0.5, 1}});
-  const auto holed = [](int x, int y, int z) { return (x + 2 * y + 3 * z) % 17 == 0 ? nan : lumps(x, y, z); };
-  const auto endless = [](int x, int y, int z) { return (x * y + z) % 23 == 0 ? infinity : lumps(x, y, z); };
-  const auto block = [](int x, int y, int z) {
-    return x > 3 && x < 12 && y > 3 && y < 12 && z > 3 && z < 12 ? 1.0 : 0.0;
-  };
   const auto labels = [](int x, int y, int z) { return double((x / 3 + y / 4 + z / 5) % 3) / 2; };
   const glm::ivec3 dims(16);
   const auto float32 = ScalarType::float32;
@@ -60,12 +50,6 @@ std::vector<Case> hard_cases() {
           {"one slice", make_volume({16, 16, 1}, float32, lumps), ramp}};
 }
 
-const Camera cameras[] = {{.azimuth = 31, .elevation = 17, .roll = 9, .zoom = 1.1},
-                          {},
-                          {.azimuth = 45, .elevation = 35.264389682754654},
-                          {.azimuth = 12, .elevation = -50, .zoom = 3, .pan = {0.1, 0.2}},
-                          {.azimuth = 200, .elevation = 40, .fov = 40}};
-
 FrameSpec spec_of(const Case& c, const Camera& camera, Shading shading) {
   FrameSpec spec = plain_spec(c.tf, size, camera);
   spec.shown.shading = shading;
@@ -76,14 +60,14 @@ FrameSpec spec_of(const Case& c, const Camera& camera, Shading shading) {
 }  // namespace
 
 TEST_CASE("the field's integral lies within certified bounds") {
-  const auto pixels = random_pixels(size, size, 200, 1);
+  const auto pixels = random_pixels(size, size, 100, 1);
   for (const Case& c : hard_cases())
     for (const Camera& camera : cameras)
       for (const Shading shading : {Shading::none, Shading::phong}) {
         const double width = shading == Shading::phong ? wanted_lit : wanted;
         const truth::Scene scene = scene_of(c.volume, spec_of(c, camera, shading));
         const auto bounds = truth::certified_bounds(scene, pixels, width);
-        INFO(c.name << ", azimuth " << camera.azimuth << ", lit " << (shading == Shading::phong));
+        CAPTURE(c.name, camera.azimuth, shading);
         CHECK(outside(bounds, truth::field_truth(scene, pixels, 1e-9), 1e-8) == 0);
         CHECK(share_within(bounds, width) >= 0.95);
       }
@@ -98,7 +82,7 @@ TEST_CASE("the head's certified bounds hold its integral") {
       const auto pixels = random_pixels(512, 512, 300, 3);
       const double width = shading == Shading::phong ? wanted_lit : wanted;
       const auto bounds = truth::certified_bounds(scene, pixels, width);
-      INFO(name << ", lit " << (shading == Shading::phong));
+      CAPTURE(name, shading);
       CHECK(outside(bounds, truth::field_truth(scene, pixels, 1e-9), 1e-8) == 0);
       CHECK(share_within(bounds, width) == 1);
     }
@@ -134,26 +118,17 @@ TEST_CASE("certified bounds shrink with the width that is asked for") {
   CHECK(outside(rough, truth::field_truth(scene, pixels, 1e-9), 1e-8) == 0);
 }
 
-namespace {
-
-/// Whether bounds of a scene tell it from one whose description differs.
-bool tells_apart(const Case& c, const FrameSpec& spec, const std::function<void(truth::Scene&)>& change) {
-  const auto pixels = random_pixels(size, size, 80, 5);
-  truth::Scene scene = scene_of(c.volume, spec);
-  const auto bounds = truth::certified_bounds(scene, pixels, 5e-9);
-  change(scene);
-  return outside(bounds, truth::field_truth(scene, pixels, 1e-10), 0) > 0;
-}
-
-}  // namespace
-
 TEST_CASE("certified bounds tell scenes apart that differ by a millionth") {
   constexpr double millionth = 1e-6;
   const Case c = hard_cases().front();
-  const FrameSpec spec = spec_of(c, cameras[0], Shading::phong);
+  const truth::Scene scene = scene_of(c.volume, spec_of(c, cameras[0], Shading::phong));
+  const auto pixels = random_pixels(size, size, 80, 5);
+  const auto bounds = truth::certified_bounds(scene, pixels, 5e-9);
   const auto changed = [&](const char* what, const std::function<void(truth::Scene&)>& change) {
+    truth::Scene other = scene;
+    change(other);
     INFO(what);
-    CHECK(tells_apart(c, spec, change));
+    CHECK(outside(bounds, truth::field_truth(other, pixels, 1e-10), 0) > 0);
   };
   changed("azimuth", [](auto& s) { s.frame.shown.camera.azimuth += 57 * millionth; });
   changed("elevation", [](auto& s) { s.frame.shown.camera.elevation += 57 * millionth; });

@@ -1,8 +1,4 @@
 // Clip planes: the truths against closed forms, and sheets against the truths.
-#include <fmt/format.h>
-
-#include <glm/geometric.hpp>
-
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
@@ -12,16 +8,6 @@ using namespace ringsplat;
 using namespace ringsplat::test;
 
 namespace {
-
-constexpr glm::ivec3 dims{17, 15, 19};
-constexpr glm::dvec3 spacing{1, 1.25, 0.75};
-
-double lump(int x, int y, int z) {
-  const double r = glm::length((glm::dvec3(x, y, z) - glm::dvec3(8, 7, 9)) / glm::dvec3(9, 8, 10));
-  return 240 * std::max(0.0, 1 - r) + double((x * 7 + y * 13 + z * 29) % 32) / 4;
-}
-
-Volume lumpy(ScalarType type = ScalarType::float32) { return make_volume(dims, type, lump, spacing); }
 
 const std::vector<std::vector<ClipPlane>> cuts{{{{0.4, 1, -0.3}, -1.3}},
                                                {{{-1, 0.2, 0.5}, -2}, {{0.3, -0.7, 0.9}, -0.5}},
@@ -58,9 +44,8 @@ TEST_CASE("what clip planes leave of an even medium is as opaque as it is long")
   const auto centre_opacity = [&](const std::vector<ClipPlane>& planes) {
     spec.shown.clip_planes = planes;
     const truth::Scene scene = scene_of(even, spec);
-    const std::vector<truth::Pixel> middle{{16, 16}};
-    const double truth = truth::field_truth(scene, middle, 1e-9).front().w;
-    CHECK(truth::method_truth(scene, middle).front().w == Approx(truth).margin(1e-9));
+    const double truth = field_at(scene, {16, 16}).w;
+    CHECK(method_at(scene, {16, 16}).w == Approx(truth).margin(1e-9));
     CHECK(rendered(even, spec).rgba[4 * (16 * 32 + 16) + 3] == Approx(truth).margin(2e-5));
     return truth;
   };
@@ -78,8 +63,7 @@ TEST_CASE("sheets cut by planes are their method's, also reduced, boxed and of n
   for (const auto& planes : cuts)
     for (const Camera& camera : cameras) {
       FrameSpec spec = spec_of(camera, planes);
-      INFO(fmt::format("azimuth {}, normal {},{},{}", camera.azimuth, planes[0].normal.x, planes[0].normal.y,
-                       planes[0].normal.z));
+      CAPTURE(camera.azimuth, planes[0].normal.x);
       const auto check_method = [&](const Volume& volume) {
         const Image image = rendered(volume, spec);
         REQUIRE(brightest(image) > 0.03F);
@@ -87,17 +71,17 @@ TEST_CASE("sheets cut by planes are their method's, also reduced, boxed and of n
         CHECK(error.rmse < 0.3);
         CHECK(error.largest < 9);
       };
-      check_method(lumpy());
+      check_method(lump_volume());
       spec.shown.clip = VoxelBox{{3, 2, 4}, {14, 13, 17}};
-      check_method(lumpy());
+      check_method(lump_volume());
       spec.shown.clip.reset();
       spec.shown.interpolation = Interpolation::nearest;
-      check_method(lumpy(ScalarType::uint8));
+      check_method(lump_volume(ScalarType::uint8));
     }
 }
 
 TEST_CASE("what planes cut off is nowhere to be seen, and the rest is near the field") {
-  const Volume volume = lumpy();
+  const Volume volume = lump_volume();
   for (const auto& planes : cuts)
     for (const Camera& camera : cameras) {
       FrameSpec spec = spec_of(camera, planes);
@@ -127,7 +111,7 @@ TEST_CASE("near a plane, too, an unlit picture has all that it interpolates") {
 }
 
 TEST_CASE("cut by planes, all modes are as the field's truth has them") {
-  const Volume volume = lumpy();
+  const Volume volume = lump_volume();
   for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface})
     for (const auto& planes : cuts)
       for (const Camera& camera : cameras) {

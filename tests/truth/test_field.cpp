@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <limits>
 
 #include "support/catch.hpp"
@@ -25,6 +23,15 @@ double largest_error(const Volume& volume, const FrameSpec& spec,
     largest = std::max({largest, std::abs(colours[p].w - opacity), std::abs(colours[p].x - opacity)});
   }
   return largest;
+}
+
+/// Seen along y, through every voxel of one column.
+truth::Rgba seen_along_y(const Volume& volume, const TransferFunction& tf) {
+  return field_at(scene_of(volume, plain_spec(tf, 9, {.zoom = 2})), {4, 4});
+}
+
+Volume rising_along_y() {
+  return make_volume({8, 8, 8}, ScalarType::float64, [](int, int y, int) { return y; });
 }
 
 }  // namespace
@@ -103,9 +110,7 @@ TEST_CASE("colour over colour: two layers composite as they must") {
       make_volume({8, 8, 8}, ScalarType::float64, [](int, int y, int) { return y < 4 ? 0 : 1; });
   TransferFunction tf = constant_opacity(0.15);
   tf.colours = {{0.5, {1, 0, 0}}, {0.5, {0, 0, 1}}};
-  const auto scene =
-      scene_of(volume, plain_spec(tf, 9, {.azimuth = 0, .elevation = 0, .roll = 0, .zoom = 2}));
-  const auto colour = truth::field_truth(scene, std::vector<truth::Pixel>{{4, 4}}).front();
+  const auto colour = seen_along_y(volume, tf);
   const double through = std::pow(0.85, 4);
   CHECK(colour.x == Approx(1 - through).epsilon(1e-9));
   CHECK(colour.z == Approx(through * (1 - through)).epsilon(1e-9));
@@ -113,25 +118,18 @@ TEST_CASE("colour over colour: two layers composite as they must") {
 }
 
 TEST_CASE("opacity 1 ends the ray with the colour at its front") {
-  const Volume volume = make_volume({8, 8, 8}, ScalarType::float64, [](int, int y, int) { return y; });
   TransferFunction tf;
   tf.colours = {{0, {1, 1, 1}}, {7, {0, 0, 0}}};
   tf.opacities = {{3.5, 0.0}, {3.5, 1.0}};
-  const auto scene =
-      scene_of(volume, plain_spec(tf, 9, {.azimuth = 0, .elevation = 0, .roll = 0, .zoom = 2}));
-  const auto colour = truth::field_truth(scene, std::vector<truth::Pixel>{{4, 4}}).front();
+  const auto colour = seen_along_y(rising_along_y(), tf);
   CHECK(colour.w == 1.0);
   CHECK(colour.x == Approx(0.5).margin(1e-6));
 }
 
 TEST_CASE("opacity that reaches 1 at one value only stays finite") {
-  const Volume volume = make_volume({8, 8, 8}, ScalarType::float64, [](int, int y, int) { return y; });
   TransferFunction tf = constant_opacity(0);
   tf.opacities = {{2.5, 0.0}, {3.5, 1.0}, {4.5, 0.0}};  // ∫ −ln(1 − t) dt = 1 on either side
-  const auto scene =
-      scene_of(volume, plain_spec(tf, 9, {.azimuth = 0, .elevation = 0, .roll = 0, .zoom = 2}));
-  CHECK(truth::field_truth(scene, std::vector<truth::Pixel>{{4, 4}}).front().w ==
-        Approx(1 - std::exp(-2.0)).margin(1e-6));
+  CHECK(seen_along_y(rising_along_y(), tf).w == Approx(1 - std::exp(-2.0)).margin(1e-6));
 }
 
 TEST_CASE("values that are not numbers are transparent, infinities take the end's colour") {
@@ -153,7 +151,7 @@ TEST_CASE("a spike of the transfer function inside a cell is found however narro
     TransferFunction tf = constant_opacity(0);
     tf.opacities = {{low, 0.0}, {low, 0.999999}, {high, 0.999999}, {high, 0.0}};
     for (const Camera& camera : {oblique, Camera{.elevation = 90, .zoom = 2}}) {
-      INFO(fmt::format("from {}, elevation {}", low, camera.elevation));
+      CAPTURE(low, camera.elevation);
       const FrameSpec spec = plain_spec(tf, size, camera);
       REQUIRE(brightest(field_image(volume, spec)) > 0.04F);
       CHECK(largest_error(volume, spec, [&](const truth::CubeRay& ray) {
@@ -171,10 +169,8 @@ TEST_CASE("a narrow peak up to opacity 1 has its own depth, and is no opaque she
     for (const double low : {3.3, 11.43}) {
       TransferFunction tf = constant_opacity(0);
       tf.opacities = {{low, 0.0}, {low + width / 2, 1.0}, {low + width, 0.0}};
-      const auto scene = scene_of(volume, plain_spec(tf, 9, {.zoom = 2}));
-      INFO(fmt::format("{} wide from {}", width, low));
-      CHECK(truth::field_truth(scene, std::vector<truth::Pixel>{{4, 4}}).front().w ==
-            Approx(-std::expm1(-width)).margin(1e-8));
+      CAPTURE(width, low);
+      CHECK(seen_along_y(volume, tf).w == Approx(-std::expm1(-width)).margin(1e-8));
     }
 }
 
@@ -182,7 +178,6 @@ TEST_CASE("space beside a voxel that is not a number is empty, and is not read a
   const double nan = std::numeric_limits<double>::quiet_NaN();
   FrameSpec spec = plain_spec(constant_opacity(0.3), 9, {.zoom = 2});  // zero is opaque, too
   spec.as<Splats>().kernel_radius = 1.6;
-  const std::vector<truth::Pixel> middle{{4, 4}};
   // Where a slice has a voxel: its kernel, four a voxel away and four across, over their sum's mean.
   const double t = 1.6 * 1.6, sum = 1 + 4 * std::pow(1 - 1 / t, 2) + 4 * std::pow(1 - 2 / t, 2),
                seven_slices = 1 - std::pow(1 - 0.3 * sum * 3 / (M_PI * t), 7);
@@ -192,10 +187,8 @@ TEST_CASE("space beside a voxel that is not a number is empty, and is not read a
     const Volume volume = make_volume({9, 8, 9}, ScalarType::float32,
                                       [&, s = slice](int, int y, int) { return y == s ? nan : 1.0; });
     INFO("slice " << slice);
-    CHECK(truth::field_truth(scene_of(volume, spec), middle).front().w ==
-          Approx(1 - std::pow(0.7, 8 - lost)).epsilon(1e-9));
-    CHECK(truth::method_truth(scene_of(volume, spec), middle).front().w ==
-          Approx(seven_slices).epsilon(1e-9));
+    CHECK(field_at(scene_of(volume, spec), {4, 4}).w == Approx(1 - std::pow(0.7, 8 - lost)).epsilon(1e-9));
+    CHECK(method_at(scene_of(volume, spec), {4, 4}).w == Approx(seven_slices).epsilon(1e-9));
     CHECK(rendered(volume, spec).pixel(4, 4)[3] == Approx(seven_slices).epsilon(2e-5));
   }
   const Volume missing = make_volume({8, 8, 8}, ScalarType::float32, [&](int, int, int) { return nan; });

@@ -1,7 +1,5 @@
 // The renderer's three roundings, each measured alone against size. measure_roundings prints the same for
 // more sizes.
-#include <fmt/format.h>
-
 #include "roundings.hpp"
 #include "support/catch.hpp"
 
@@ -13,8 +11,7 @@ TEST_CASE("the DDA's drift: pixels, against the row's length") {
   // the row's length: 2⁻⁵² of the largest coordinate. A running sum, beside it, drifts with the length.
   for (const int width : {64, 512, 4096, 32768}) {
     const auto errors = drift_errors(width);
-    UNSCOPED_INFO(fmt::format("row of {}: {:.2g} pixels, as a running sum {:.2g}", width, errors.dda,
-                              errors.running_sum));
+    CAPTURE(width);
     CHECK(errors.dda < drift_bound(width));
     CHECK(errors.running_sum < width * std::ldexp(2.0 * width, -53));
     if (width >= 512) CHECK(errors.running_sum > 10 * errors.dda);  // the measurement can see a drift
@@ -28,8 +25,7 @@ TEST_CASE("the quadratic's cancellation: Q, against the distance of its origin a
   for (const double scale : {1.0, 4.0, 32.0}) {
     for (const double far : {128.0, 1024.0, 16384.0}) {
       const auto errors = quadratic_errors(scale, far);
-      UNSCOPED_INFO(fmt::format("{} pixels a voxel, {} pixels away: {:.2g} anchored, {:.2g} absolute", scale,
-                                far, errors.anchored, errors.absolute));
+      CAPTURE(scale, far);
       CHECK(errors.anchored < quadratic_bound);
       CHECK(errors.absolute < 4 * std::ldexp(std::pow(far / (1.6 * scale) + 1, 2), -22));
       if (scale == 1.0 && far == 16384.0)
@@ -45,7 +41,7 @@ TEST_CASE("the composite's rounding: levels, against the number of slices") {
   for (const int slices : {64, 512, 4096})
     for (const double opacity : {1e-7, 1e-4, 0.005, 0.3}) {
       const double error = composite_error(slices, opacity);
-      UNSCOPED_INFO(fmt::format("{} slices of {}: {:.2g} levels", slices, opacity, 255 * error));
+      CAPTURE(slices, opacity);
       CHECK(error < composite_bound(slices));
       before = std::max(before, error);
     }

@@ -1,12 +1,11 @@
 // Pictures of the sheets engine against its own method's truth and against the field.
-#include <fmt/format.h>
-
 #include <glm/geometric.hpp>
 #include <limits>
 #include <random>
 
 #include "classify/auto_preset.hpp"
 #include "frame/quality.hpp"
+#include "sampled_errors.hpp"
 #include "support/catch.hpp"
 #include "truth_support.hpp"
 
@@ -23,27 +22,6 @@ FrameSpec sheets_spec(const TransferFunction& tf, Shading shading = Shading::pho
   spec.shown.shading = shading;
   spec.how = sheets;
   return spec;
-}
-
-/// RMSE against the method's truth in 1/255: what tables, whole numbers and floats cost.
-double table_error(const Volume& volume, const FrameSpec& spec) {
-  return truth::compare(rendered(volume, spec), method_image(volume, spec)).total.rmse;
-}
-double field_error(const Volume& volume, const FrameSpec& spec) {
-  return truth::compare(rendered(volume, spec), field_image(volume, spec)).total.rmse;
-}
-
-/// At some pixels only.
-double sampled_field_error(const Volume& volume, const FrameSpec& spec, std::size_t count) {
-  const int width = spec.shown.width, height = spec.shown.height;
-  const auto pixels = random_pixels(width, height, count, 5);
-  const auto exact = truth::field_truth(scene_of(volume, spec), pixels);
-  const Image picture = rendered(volume, spec);
-  double sum = 0;
-  for (std::size_t k = 0; k < count; ++k)
-    for (int c = 0; c < 4; ++c)
-      sum += std::pow(255 * (picture.pixel(pixels[k].x, pixels[k].y)[c] - exact[k][c]), 2);
-  return std::sqrt(sum / (4.0 * double(count)));
 }
 
 /// Marschner and Lobb 1994.
@@ -77,14 +55,11 @@ TEST_CASE("the head's pictures are their method's, and near the field, whatever 
     for (const Camera& camera : views) {
       FrameSpec spec = sheets_spec(head_preset(preset), shading, {}, camera, 160);
       const Image picture = rendered(volume, spec);
-      const Image true_picture = field_image(volume, spec);
-      const double field = truth::compare(picture, true_picture).total.rmse,
-                   method = truth::compare(picture, method_image(volume, spec)).total.rmse;
+      const SampledErrors errors = from_field(volume, spec, 4000);
+      const double field = errors.of(picture), method = from_method(volume, spec, 4000).of(picture);
       spec.as<Sheets>().adaptive = false;
-      const double fixed = truth::compare(rendered(volume, spec), true_picture).total.rmse;
-      UNSCOPED_INFO(fmt::format("{}, {}, azimuth {}: field {:.3f}, not adaptive {:.3f}, method {:.3f}",
-                                preset, shading == Shading::phong ? "lit" : "unlit", camera.azimuth, field,
-                                fixed, method));
+      const double fixed = errors.of(rendered(volume, spec));
+      CAPTURE(preset, shading, camera.azimuth);
       CHECK(field < bound);
       CHECK(method < 0.3);
       CHECK(field < fixed + std::max(0.3 * fixed, 0.07));
@@ -100,7 +75,7 @@ TEST_CASE("an image in the slices' plane errs by its warp, and less with more sa
   for (const double samples : {1.0, 1.5, 2.0}) {
     spec.how = Sheets{ImagePlane::slices, samples};
     const double error = truth::compare(rendered(volume, spec), true_picture).total.rmse;
-    UNSCOPED_INFO(fmt::format("{} samples: {:.3f}", samples, error));
+    CAPTURE(samples);
     CHECK(error < std::min(last, 2.8));
     last = error;
   }
@@ -114,10 +89,9 @@ TEST_CASE("Marschner and Lobb's signal behind a steep function") {
   // Between slices a ray runs through several cells, where the field is not linear: oblique views need more
   // slabs, as their method's truth says.
   for (const auto& [azimuth, bound] : {std::pair{0.0, 0.6}, {20.0, 0.8}, {45.0, 1.8}}) {
-    const double error =
-        field_error(volume, sheets_spec(tf, Shading::phong, {}, {.azimuth = azimuth, .zoom = 2}, 160));
-    UNSCOPED_INFO(fmt::format("azimuth {}: {:.3f}", azimuth, error));
-    CHECK(error < bound);
+    CAPTURE(azimuth);
+    CHECK(field_error(volume, sheets_spec(tf, Shading::phong, {}, {.azimuth = azimuth, .zoom = 2}, 160)) <
+          bound);
   }
 }
 
@@ -155,26 +129,11 @@ TEST_CASE("a slab that adds a fiftieth or more to a pixel is lit at two points, 
   CHECK(largest_difference(drawn(0.012, true), drawn(0.012, false)) > 0);
 }
 
-TEST_CASE("more slabs come nearer to the field by the second power") {
-  const Volume volume = head();
-  double last = 0;
-  for (const int slabs : {1, 2, 4}) {
-    const double error = field_error(
-        volume, sheets_spec(head_preset("mr-soft"), Shading::none, {.slabs = slabs, .adaptive = false},
-                            {.azimuth = 20, .elevation = 10}, 160));
-    UNSCOPED_INFO(fmt::format("{} slabs: {:.4f}", slabs, error));
-    constexpr double of_tables = 0.055;
-    if (last > 0) CHECK(error < std::max(0.45 * last, of_tables));
-    last = error;
-  }
-}
-
 TEST_CASE("4,096 faint slices") {
   for (const double opacity : {1e-4, 1e-6}) {
     const Volume volume = make_volume({6, 4096, 6}, ScalarType::uint8, [](int, int, int) { return 100; });
     const FrameSpec spec = sheets_spec(constant_opacity(opacity), Shading::none, {}, {.zoom = 300}, 16);
     const Image image = rendered(volume, spec), exact = method_image(volume, spec);
-    UNSCOPED_INFO(fmt::format("opacity {} for {}", image.pixel(8, 8)[3], exact.pixel(8, 8)[3]));
     CHECK(exact.pixel(8, 8)[3] > 0.8 * (1 - std::exp(-4096 * opacity)));
     CHECK(std::abs(image.pixel(8, 8)[3] / exact.pixel(8, 8)[3] - 1) < 0.02);
   }
@@ -189,10 +148,9 @@ TEST_CASE("a jump from clear to opaque, and all opaque") {
     const FrameSpec lit = sheets_spec(constant_opacity(1.0, from)),
                     unlit = sheets_spec(constant_opacity(1.0, from), Shading::none);
     CHECK(all_finite(rendered(noise, lit)));
-    const double of_noise = table_error(noise, unlit), of_smooth = table_error(smooth, lit);
-    UNSCOPED_INFO(fmt::format("from {}: {:.3f}, {:.3f}", from, of_noise, of_smooth));
-    CHECK(of_noise < 0.6);
-    CHECK(of_smooth < 0.3);
+    CAPTURE(from);
+    CHECK(method_error(noise, unlit) < 0.6);
+    CHECK(method_error(smooth, lit) < 0.3);
   }
 }
 
@@ -245,11 +203,9 @@ TEST_CASE("labels keep their values between voxels, whatever their numbers, and 
     for (const auto& [camera, bound] : views)
       for (const Shading shading : {Shading::none, Shading::phong}) {
         const FrameSpec spec = label_spec(tf, shading, {}, camera);
-        const double method = table_error(volume, spec), field = field_error(volume, spec);
-        UNSCOPED_INFO(fmt::format("{}, azimuth {}, {}: method {:.3f}, field {:.3f}", to_string(type),
-                                  camera.azimuth, shading == Shading::none ? "unlit" : "lit", method, field));
-        CHECK(method < 0.1);
-        CHECK(field < (shading == Shading::none ? 0.1 : bound));
+        CAPTURE(to_string(type), camera.azimuth, shading);
+        CHECK(method_error(volume, spec) < 0.1);
+        CHECK(field_error(volume, spec) < (shading == Shading::none ? 0.1 : bound));
       }
   }
 }
@@ -289,9 +245,8 @@ TEST_CASE("values that are not a number, infinite, tiny and huge") {
       const Image picture = rendered(volume, spec);
       CHECK(all_finite(picture));
       CHECK(brightest(picture) > 0.1F);
-      const double error = truth::compare(picture, method_image(volume, spec)).total.rmse;
-      UNSCOPED_INFO(fmt::format("{} x {}: {:.3f}", to_string(type), scale, error));
-      CHECK(error < 1.0);
+      CAPTURE(to_string(type), scale);
+      CHECK(truth::compare(picture, method_image(volume, spec)).total.rmse < 1.0);
     }
   }
 }
@@ -308,10 +263,8 @@ TEST_CASE("a narrow function of wide integers, and one outlier") {
   tf.opacities = {{30010, 0.0}, {30011, 0.6}, {30012, 0.6}, {30013, 0.0}};
   for (const Volume* volume : {&narrow, static_cast<const Volume*>(&outlier)}) {
     const FrameSpec spec = sheets_spec(tf, Shading::none, {.adaptive = false});
-    const double error = table_error(*volume, spec);
-    UNSCOPED_INFO(fmt::format("{:.3f}", error));
     CHECK(brightest(rendered(*volume, spec)) > 0.2F);
-    CHECK(error < 1.5);
+    CHECK(method_error(*volume, spec) < 1.5);
   }
 }
 
@@ -331,10 +284,8 @@ TEST_CASE("flat and long voxels err no more than cubes, from any side") {
         const Camera camera = spacing.z > 1 ? Camera{.azimuth = 25, .elevation = double(degrees)}
                                             : Camera{.azimuth = double(degrees), .elevation = 15};
         const FrameSpec spec = sheets_spec(head_preset("mr-soft"), shading, {}, camera, 128);
-        const double error = sampled_field_error(volume, spec, 500);
-        UNSCOPED_INFO(fmt::format("{} : {} : {}, {}, {} degrees: {:.3f}", spacing.x, spacing.y, spacing.z,
-                                  shading == Shading::none ? "unlit" : "lit", degrees, error));
-        CHECK(error < 0.5);
+        CAPTURE(spacing.x, spacing.z, shading, degrees);
+        CHECK(from_field(volume, spec, 500).of(rendered(volume, spec)) < 0.5);
       }
   }
 }
@@ -361,10 +312,9 @@ TEST_CASE("layers far thinner than the table's entries") {
     tf.opacities.push_back({from + 255 * by, 0.0});
     for (int slabs = 1; slabs <= 4; ++slabs) {
       const FrameSpec spec = sheets_spec(tf, Shading::none, {.slabs = slabs});
-      const double table = table_error(volume, spec), field = sampled_field_error(volume, spec, 2000);
-      UNSCOPED_INFO(fmt::format("{}, {} slabs: {:.3f}, {:.3f}", to_string(type), slabs, table, field));
-      CHECK(table < 0.2);
-      if (slabs >= 3) CHECK(field < 1.0);
+      CAPTURE(to_string(type), slabs);
+      CHECK(method_error(volume, spec) < 0.2);
+      if (slabs >= 3) CHECK(from_field(volume, spec, 2000).of(rendered(volume, spec)) < 1.0);
     }
   }
 }
@@ -376,8 +326,8 @@ TEST_CASE("in a small picture an image in the slices' plane errs as in a large o
     const FrameSpec spec =
         sheets_spec(head_preset("mr-soft"), Shading::phong,
                     {.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 2}, {20, 10}, size);
-    const double error = sampled_field_error(volume, spec, 1500);
-    UNSCOPED_INFO(fmt::format("{}: {:.3f}", size, error));
+    const double error = from_field(volume, spec, 1500).of(rendered(volume, spec));
+    CAPTURE(size);
     if (size == 512) large = error;
     CHECK(error < 1.5 * large);
   }
@@ -400,11 +350,9 @@ TEST_CASE("thin sheets of voxels, flat and single-slice volumes, and tilted latt
   for (const auto& [volume, camera] : cases)
     for (const Shading shading : {Shading::none, Shading::phong}) {
       const FrameSpec spec = sheets_spec(ramp(20, 255, 0.6), shading, {.adaptive = false}, camera);
-      const double error = table_error(volume, spec);
-      UNSCOPED_INFO(fmt::format("{} x {} x {}: {:.3f}", volume.grid.dims.x, volume.grid.dims.y,
-                                volume.grid.dims.z, error));
+      CAPTURE(volume.grid.dims.x, volume.grid.dims.z, shading);
       CHECK(brightest(rendered(volume, spec)) > 0.05F);
-      CHECK(error < 0.6);
+      CHECK(method_error(volume, spec) < 0.6);
     }
 }
 
@@ -414,7 +362,7 @@ TEST_CASE("values exactly at a jump have the opacity behind it") {
         make_volume({20, 21, 22}, type, [](int x, int y, int) { return x > 9 && y > 9 ? 100.0 : 3.0; });
     const FrameSpec spec = sheets_spec(constant_opacity(0.5, 100), Shading::none, {.adaptive = false});
     CHECK(brightest(rendered(volume, spec)) > 0.9F);
-    CHECK(table_error(volume, spec) < 0.6);
+    CHECK(method_error(volume, spec) < 0.6);
   }
 }
 
@@ -428,9 +376,8 @@ TEST_CASE("a jump between two whole numbers is not moved to one of them") {
     const FrameSpec spec = sheets_spec(constant_opacity(0.5, from), Shading::none);
     const double of_floats = field_error(ball(ScalarType::float32), spec);
     for (const auto type : {ScalarType::int8, ScalarType::uint16}) {
-      const double error = field_error(ball(type), spec);
-      UNSCOPED_INFO(fmt::format("from {}: {:.3f}, of floats {:.3f}", from, error, of_floats));
-      CHECK(error < 1.2 * of_floats);
+      CAPTURE(to_string(type), from);
+      CHECK(field_error(ball(type), spec) < 1.2 * of_floats);
     }
   }
 }
@@ -442,9 +389,7 @@ TEST_CASE("far and near, a voxel may be a tenth of a pixel or a hundred") {
   for (const double zoom : {0.05, 0.3, 1.0, 8.0, 60.0}) {
     Camera camera = oblique;
     camera.zoom = zoom;
-    const FrameSpec spec = sheets_spec(ramp(100, 255, 0.4), Shading::phong, {}, camera);
-    const double error = table_error(volume, spec);
-    UNSCOPED_INFO(fmt::format("zoom {}: {:.3f}", zoom, error));
-    CHECK(error < 0.6);
+    CAPTURE(zoom);
+    CHECK(method_error(volume, sheets_spec(ramp(100, 255, 0.4), Shading::phong, {}, camera)) < 0.6);
   }
 }

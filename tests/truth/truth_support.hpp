@@ -63,6 +63,17 @@ inline double lumps_in_ball(double x, double y, double z) {
              : 0.0;
 }
 
+/// A lump with noise on it, of voxels that are no cubes.
+inline constexpr glm::ivec3 lump_dims{17, 15, 19};
+inline constexpr glm::dvec3 lump_spacing{1, 1.25, 0.75};
+inline double noisy_lump(int x, int y, int z) {
+  const double r = glm::length((glm::dvec3(x, y, z) - glm::dvec3(8, 7, 9)) / glm::dvec3(9, 8, 10));
+  return 240 * std::max(0.0, 1 - r) + double((x * 7 + y * 13 + z * 29) % 32) / 4;
+}
+inline Volume lump_volume(ScalarType type = ScalarType::float32) {
+  return make_volume(lump_dims, type, noisy_lump, lump_spacing);
+}
+
 inline Volume volume_of(VolumeSource& source) {
   Volume volume{source.grid(), {}};
   volume.bytes.resize(volume.grid.bytes());
@@ -132,6 +143,13 @@ inline truth::Scene with_quantised_normals(const truth::Scene& whole) {
   return scene;
 }
 
+inline truth::Rgba field_at(const truth::Scene& scene, truth::Pixel pixel, double tolerance = 1e-9) {
+  return truth::field_truth(scene, std::vector{pixel}, tolerance).front();
+}
+inline truth::Rgba method_at(const truth::Scene& scene, truth::Pixel pixel) {
+  return truth::method_truth(scene, std::vector{pixel}).front();
+}
+
 /// The method's own truth for the whole picture. `normals`: of splats.
 inline Image method_image(const Volume& volume, const FrameSpec& spec, Normals normals = Normals::quantised) {
   const truth::Scene scene = scene_of(volume, spec);
@@ -150,6 +168,14 @@ inline Image field_image(const Volume& volume, const FrameSpec& spec) {
 /// Largest difference between the renderer's picture and the method's own truth, of values in 0..1.
 inline double numerical_error(const Volume& volume, const FrameSpec& spec) {
   return largest_difference(rendered(volume, spec), method_image(volume, spec));
+}
+
+/// Root of the mean squared difference from the truth, in 1/255.
+inline double method_error(const Volume& volume, const FrameSpec& spec) {
+  return truth::compare(rendered(volume, spec), method_image(volume, spec)).total.rmse;
+}
+inline double field_error(const Volume& volume, const FrameSpec& spec) {
+  return truth::compare(rendered(volume, spec), field_image(volume, spec)).total.rmse;
 }
 
 inline double largest_difference(const std::vector<truth::Rgba>& a, const std::vector<truth::Rgba>& b) {
