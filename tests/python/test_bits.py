@@ -5,21 +5,23 @@ import json
 import numpy as np
 import pytest
 import ringsplat as rs
-from conftest import HEAD, blob, saved
+from conftest import HEAD, blob, program, saved
 
-VIEWS = [{}, {"azimuth": 30, "elevation": -20, "zoom": 1.3}, {"view": "top", "roll": 15}]
-ENGINES = [{"quality": "best"}, {"quality": "paper"}, {"quality": "draft"}]
+PICTURES = [
+    {"quality": "best"},
+    {"quality": "paper", "azimuth": 30, "elevation": -20, "zoom": 1.3},
+    {"quality": "draft", "view": "top", "roll": 15},
+]
 
 
 def words_of(options):
     return [word for name, value in options.items() for word in (f"--{name.replace('_', '-')}", str(value))]
 
 
-@pytest.mark.parametrize("view", VIEWS)
-@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("picture", PICTURES)
 @pytest.mark.parametrize("kind", ["head", "float32", "int16"])
-def test_a_picture_has_the_bits_of_the_programs(kind, engine, view, exr_of, npy, tmp_path):
-    options = {"size": 96, **engine, **view}
+def test_a_picture_has_the_bits_of_the_programs(kind, picture, exr_of, npy, tmp_path):
+    options = {"size": 96, **picture}
     if kind == "head":
         volume, file = HEAD, HEAD
     else:
@@ -71,33 +73,12 @@ def test_other_options_mean_the_same(exr_of, npy, tmp_path):
         prefilter=True,
         spacing=(1, 1.5, 2),
     )
-    assert saved(image, tmp_path / "o.exr") == exr_of(
-        file,
-        "--size",
-        "80x60",
-        "--range=0.1:0.9",
-        "--opacity",
-        2,
-        "--colours",
-        "viridis",
-        "--clip=2:20,:,4:",
-        "--background",
-        "white",
-        "--light",
-        -0.4,
-        0.2,
-        1,
-        "--undersample",
-        2,
-        "--prefilter",
-        "--spacing",
-        "1x1.5x2",
-    )
+    words = "--size 80x60 --range=0.1:0.9 --opacity 2 --colours viridis --clip=2:20,:,4: --background white --light -0.4 0.2 1"
+    words += " --undersample 2 --prefilter --spacing 1x1.5x2"
+    assert saved(image, tmp_path / "o.exr") == exr_of(file, *words.split())
 
 
 def test_annotations_and_metadata_are_the_programs(npy, tmp_path):
-    from conftest import program
-
     file = npy(blob((16, 16, 16)))
     program("render", file, "-o", tmp_path / "p.png", "--size", 256, "--annotate", "--background", "black")
     image = rs.render(file, size=256, annotate=True, background="black")
@@ -106,8 +87,6 @@ def test_annotations_and_metadata_are_the_programs(npy, tmp_path):
 
 
 def test_views_in_a_list_are_those_of_a_path(npy, tmp_path):
-    from conftest import program
-
     file = npy(blob((16, 20, 24)))
     (tmp_path / "path.txt").write_text("0 10\n30 10\n75.5 10\n")
     program("render", file, "-o", tmp_path / "p.exr", "--size", 64, "--path", tmp_path / "path.txt")

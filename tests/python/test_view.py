@@ -67,13 +67,8 @@ def test_the_viewer_ends_with_python_and_leaves_no_file(tmp_path):
         "import numpy, ringsplat; view = ringsplat.view(numpy.arange(64.0).reshape(4, 4, 4)); "
         "print(view._process.pid, flush=True)"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", code],
-        check=True,
-        capture_output=True,
-        text=True,
-        env={**os.environ, "TMPDIR": str(tmp_path)},
-    )
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env=environment)
     pid = int(done.stdout)
     deadline = time.monotonic() + 10
     while alive(pid) and time.monotonic() < deadline:
