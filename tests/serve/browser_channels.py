@@ -76,8 +76,7 @@ class Channels(WithPage):
         self.assertEqual(self.page.measure()["n"], 0)
         self.page.click("undo")
         self.assertTrue(self.look(0)["visible"])
-        self.page.click("reset-channels")
-        self.page.settle()
+        self.page.press_button("reset-channels")
         self.assertEqual(self.page.facts("state.channels"), self.page.facts("hello.state.channels"))
         self.assertEqual(self.page.measure()["mean"], first)
 
@@ -99,23 +98,21 @@ class Channels(WithPage):
 
     def test_modes_have_windows_of_their_own(self):
         self.put("channel 2 to, value", 2000)
-        self.page.fill("mode", "surface")
-        self.page.settle()
+        self.page.put("mode", "surface")
         self.assertEqual(self.look(2)["window"], self.page.facts("hello.channels[2].windows.surface"))
         self.assertFalse(self.field("channel 2 to").is_displayed())
         before = self.page.measure()["n"]
         self.put("channel 2 from, value", 3000)
         self.assertEqual(self.look(2)["window"], [3000, 3000])
         self.assertNotEqual(self.page.measure()["n"], before)
-        self.page.fill("mode", "mip")
-        self.page.settle()
+        self.page.put("mode", "mip")
         self.assertEqual(self.look(2)["window"][1], 2000)
 
     def test_a_probe_tells_the_first_visible_channels_value(self):
         self.tick(0)
         self.page.press(Keys.ENTER)
         self.page.wait("ringsplat.probe")
-        self.assertRegex(self.page.js("return document.getElementById('probe').textContent"), r"^channel 1 \d")
+        self.assertRegex(self.page.text("probe"), r"^channel 1 \d")
 
     def test_a_scene_of_another_volume_leaves_the_channels_alone(self):
         self.page.show(self.server.url + "&state=%7B%22channels%22%3A%5B%5D%2C%22light%22%3A%5B1%2C0%2C0%5D%7D")

@@ -26,15 +26,9 @@ class Controls(WithPage):
         path = os.path.join(self.folder, "map.json")
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
-        self.open_file("import-tf", path)
+        self.page.open_file("import-tf", path)
         self.page.wait("ringsplat.state.transfer_function.name === '" + name + "'")
         self.page.settle()
-
-    def open_file(self, button, path):
-        # A chooser of files cannot be driven: the field that it would fill is kept and filled.
-        self.page.js("HTMLInputElement.prototype.click = function() { this.id = 'chosen'; }")
-        self.page.js("document.getElementById(arguments[0]).click()", button)
-        self.page.find("chosen").send_keys(path)
 
     def test_an_opacity_point_can_be_added_dragged_and_deleted(self):
         curve, points = self.page.find("curve"), len(self.tf()["opacities"])
@@ -74,8 +68,7 @@ class Controls(WithPage):
         self.page.fill("presets", "mr-soft")
         soft = self.tf()
         self.assertEqual(soft["name"], "mr-soft")
-        self.page.fill("maps", "viridis")
-        self.page.settle()
+        self.page.put("maps", "viridis")
         self.assertEqual(len(self.tf()["colours"]), 10)
         self.page.click("undo")
         self.assertEqual(self.tf(), soft)
@@ -100,7 +93,7 @@ class Controls(WithPage):
 
         def await_value():
             self.page.wait("ringsplat.slices.words.length > 0")
-            return self.page.js("return document.getElementById('probe-words').textContent")
+            return self.page.text("probe-words")
 
         wide = self.page.js("return document.getElementById('picture').clientWidth")
         self.page.focus_picture()
@@ -185,8 +178,7 @@ class Controls(WithPage):
     def test_clip_sliders_numbers_and_handles_cut_the_volume(self):
         whole = self.page.measure()
         self.page.press("1")
-        self.page.click("clip-on")
-        self.page.settle()
+        self.page.press_button("clip-on")
         self.assertEqual(self.page.facts("state.clip"), [[0, 48]] * 3)
         self.assertAlmostEqual(self.page.measure()["n"], whole["n"], delta=0.01 * whole["n"] + 5)
         number = self.page.driver.find_element("css selector", "[aria-label='Clip x to, voxels']")
@@ -204,30 +196,25 @@ class Controls(WithPage):
 
     def test_clip_planes_stand_across_the_view_and_are_moved_along_it(self):
         self.page.press("1")
-        self.page.settle()
         whole = self.page.measure()["n"]
-        self.page.click("add-plane")
-        self.page.settle()
+        self.page.press_button("add-plane")
         self.assertEqual([round(number, 6) + 0 for number in self.page.facts("state.clip_planes")[0]], [0, 1, 0, 0])
         slider = self.page.driver.find_element("css selector", "[aria-label='Plane 1, its distance']")
         self.page.js("arguments[0].value = arguments[0].max; arguments[0].dispatchEvent(new Event('input'))", slider)
         self.page.settle()
         self.assertLess(self.page.measure()["n"], 0.05 * whole)
         self.page.press("2")
-        self.page.click("add-plane")
-        self.page.settle()
+        self.page.press_button("add-plane")
         self.assertEqual(len(self.page.facts("state.clip_planes")), 2)
         self.assertTrue(self.page.js("return document.getElementById('add-plane').disabled"))
         for _ in range(2):
             self.page.js("document.querySelector(\"[aria-label='Remove plane 1']\").click()")
         self.page.press("1")
-        self.page.settle()
         self.assertEqual(self.page.facts("state.clip_planes"), [])
         self.assertAlmostEqual(self.page.measure()["n"], whole, delta=0.01 * whole + 5)
 
     def test_background_is_the_corners_colour(self):
-        self.page.fill("background", "#405060")
-        self.page.settle()
+        self.page.put("background", "#405060")
         for channel, wanted in zip(self.page.measure()["corner"], (0x40, 0x50, 0x60)):
             self.assertAlmostEqual(channel, wanted, delta=2)
 
@@ -238,8 +225,7 @@ class Controls(WithPage):
         self.assertGreater(self.page.facts("state.camera.fov"), 0)
         deep = self.page.measure()
         self.assertNotEqual(flat["box"], deep["box"])
-        self.page.fill("fov", 60)
-        self.page.settle()
+        self.page.put("fov", 60)
         self.assertEqual(self.camera()["fov"], 60)
         self.page.press("p")
         self.assertEqual(self.page.measure()["box"], flat["box"])
@@ -254,24 +240,19 @@ class Controls(WithPage):
     def test_modes_have_functions_of_their_own(self):
         lit = self.page.measure()["mean"]
         before = self.page.facts("state.transfer_function")
-        self.page.fill("mode", "mip")
-        self.page.settle()
+        self.page.put("mode", "mip")
         self.assertEqual(self.page.facts("state.mode"), "mip")
         self.assertTrue(all(point[1] == 1 for point in self.page.facts("state.transfer_function.opacities")))
         brightest = self.page.measure()["mean"]
         self.assertNotEqual(lit, brightest)
-        self.page.fill("mode", "surface")
-        self.page.settle()
+        self.page.put("mode", "surface")
         value = self.page.facts("state.isovalue")
         surface = self.page.measure()["box"]
-        self.page.fill("isovalue", 2 * value)
-        self.page.settle()
+        self.page.put("isovalue", 2 * value)
         self.assertNotEqual(self.page.measure()["box"], surface)
-        self.page.fill("mode", "composite")
-        self.page.settle()
+        self.page.put("mode", "composite")
         self.assertEqual(self.page.facts("state.transfer_function"), before)
-        self.page.click("undo")
-        self.page.settle()
+        self.page.press_button("undo")
         self.assertEqual(self.page.facts("state.mode"), "surface")
 
     def test_overlays_can_be_switched_off(self):
@@ -291,8 +272,7 @@ class Controls(WithPage):
         self.page.press("b", "g", "o")
 
     def test_a_click_on_the_cube_looks_at_that_side(self):
-        self.page.fill("azimuth", 45)
-        self.page.settle()
+        self.page.put("azimuth", 45)
         ActionChains(self.page.driver).move_to_element_with_offset(self.page.find("cube"), 18, 0).click().perform()
         self.page.settle()
         self.assertEqual(self.camera()["azimuth"], 90)

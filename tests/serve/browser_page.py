@@ -36,10 +36,7 @@ class Keeping(WithPage):
     def test_leaving_asks_while_a_film_is_rendered(self):
         leave = ("const e = new Event('beforeunload', {cancelable: true}); dispatchEvent(e); return e.defaultPrevented")
         self.assertFalse(self.page.js(leave))
-        self.page.press("1", "k")
-        self.page.press("3", "k")
-        for field, value in (("film-seconds", 300), ("film-rate", 4), ("film-width", 64), ("film-height", 48)):
-            self.page.fill(field, value)
+        self.page.key_frames_of_film(300, 64, 48)
         self.page.click("render-film")
         self.page.wait("document.getElementById('film-progress').value > 1")
         self.assertTrue(self.page.js(leave))
@@ -49,12 +46,10 @@ class Keeping(WithPage):
 
     def test_undo_takes_back_camera_clip_and_light(self):
         start = self.page.facts("state")
-        self.page.drag(self.page.find("picture"), (0, 0), (120, 40))
-        self.page.settle()
+        self.page.pull((0, 0), (120, 40))
         turned = self.page.facts("state")
         self.page.press("c")
-        self.page.fill("light-right", 0.9)
-        self.page.settle()
+        self.page.put("light-right", 0.9)
         for key in ("light", "clip"):
             self.assertNotEqual(self.page.facts("state")[key], start[key])
             self.page.click("undo")
@@ -103,7 +98,7 @@ class Layout(WithPage):
         self.assertLess(max(width, height), 0.98)
 
     def test_the_status_is_in_plain_words(self):
-        self.assertRegex(self.page.js("return document.getElementById('facts').textContent"), r"^\d+ ms, full quality$")
+        self.assertRegex(self.page.text("facts"), r"^\d+ ms, full quality$")
 
     def test_help_begins_at_its_top(self):
         self.page.click("show-help")
@@ -126,8 +121,7 @@ class Layout(WithPage):
         self.assertLessEqual(button["x"] + button["width"], cube["x"])
         cut = "const e = document.getElementById(arguments[0]); return e.scrollWidth > e.clientWidth"
         self.assertFalse(self.page.js(cut, "status"))
-        self.page.click("unfold")
-        self.page.settle()
+        self.page.press_button("unfold")
         self.assertFalse(self.page.js(cut, "volume-facts"))
         self.page.js("document.querySelectorAll('details').forEach(e => e.setAttribute('open', ''))")
         self.assertEqual(self.page.js(SMALL), [])
@@ -167,8 +161,7 @@ class Labels(WithPage):
         self.page.settle()
         self.assertEqual([seen for _, seen in self.rows()], [True, False, True, True, True])
         self.assertEqual(self.opacities(), [0, 0.9, 0, 0.9, 0.9, 0.9])
-        self.page.click("no-labels")
-        self.page.settle()
+        self.page.press_button("no-labels")
         self.assertEqual(self.page.measure()["n"], 0)
         box.click()
         self.page.js("document.getElementById('shading').checked && document.getElementById('shading').click();"
@@ -203,8 +196,7 @@ class Segments(WithPage):
                          ["liver", "spleen", "left kidney", "right kidney", "label 5"])
         self.assertEqual([label for label, *_ in self.tints()], [1, 2, 3, 4, 5])
         tinted = self.page.measure()["mean"]
-        self.page.click("no-labels")
-        self.page.settle()
+        self.page.press_button("no-labels")
         self.assertEqual([share for *_, share in self.tints()], 5 * [0])
         red, green, blue = plain = self.page.measure()["mean"]
         self.assertNotEqual(plain, tinted)

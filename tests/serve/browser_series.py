@@ -33,11 +33,11 @@ class Series(WithPage):
             self.page.fill("frame", frame)
             self.page.wait(f"ringsplat.frame === {frame}")
             seen.append(self.pixels())
-            self.assertIn(f"step_{frame}.nrrd", self.page.js("return document.getElementById('frame-name').textContent"))
+            self.assertIn(f"step_{frame}.nrrd", self.page.text("frame-name"))
         self.assertEqual(len(set(seen)), len(SHAPES))
         self.page.fill("frame", 1)
         self.assertEqual(self.pixels(), seen[1])
-        self.assertEqual(self.page.js("return document.getElementById('frame-words').textContent"), "")
+        self.assertEqual(self.page.text("frame-words"), "")
 
     def test_keys_step_through_the_volumes_and_stop_at_the_ends(self):
         self.page.press("]", "]")

@@ -39,16 +39,14 @@ class Flow(WithPage):
         self.assertEqual((last["level"], last["atRest"]), (last["levels"] - 1, True))
 
     def test_pictures_never_go_back(self):
-        self.page.drag(self.page.find("picture"), (-100, 0), (200, 0))
-        self.page.settle()
+        self.page.pull((-100, 0), (200, 0))
         order = [(p["seq"], p["level"]) for p in self.page.facts("shown")]
         self.assertEqual(order, sorted(order))
 
     def test_the_address_restores_the_scene_without_the_token(self):
         token = self.server.url.split("#")[1]
         self.page.fill("azimuth", 30)
-        self.page.fill("background", "#102030")
-        self.page.settle()
+        self.page.put("background", "#102030")
         self.page.wait("location.hash.includes('state=')")
         state, address = self.page.facts("state"), self.page.js("return location.href")
         self.assertNotIn(token, address)
@@ -69,12 +67,9 @@ class Flow(WithPage):
         self.assertEqual(struct.unpack(">II", head[16:24]), (333, 222))
 
     def test_a_film_of_key_frames_is_a_zip_of_pictures(self):
-        self.page.press("1", "k")
-        self.page.press("3", "k")
+        self.page.key_frames_of_film(0.5, 64, 48)
         self.assertEqual(self.page.facts("keyFrames"), 2)
-        for field, value in (("film-seconds", 0.5), ("film-rate", 4), ("film-width", 64), ("film-height", 48),
-                             ("film-format", "zip")):
-            self.page.fill(field, value)
+        self.page.fill("film-format", "zip")
         self.page.js("for (const id of ['render-film', 'clear-keys']) document.getElementById(id).click()")
         path = wait_for_file(os.path.join(self.folder, "jack-frames.zip"))  # of the key frames that there were
         with zipfile.ZipFile(path) as archive:
@@ -86,10 +81,7 @@ class Flow(WithPage):
         self.assertEqual(len(set(pictures)), 3)
 
     def begin_mp4(self, seconds):
-        self.page.press("1", "k")
-        self.page.press("3", "k")
-        for field, value in (("film-seconds", seconds), ("film-rate", 4), ("film-width", 65), ("film-height", 48)):
-            self.page.fill(field, value)
+        self.page.key_frames_of_film(seconds, 65, 48)
         self.assertEqual(self.page.js("return document.getElementById('film-format').value"), "mp4")
         self.page.click("render-film")
 
@@ -135,9 +127,7 @@ class Flow(WithPage):
         self.assertEqual(scene["camera"]["elevation"], 33)
         self.assertEqual(len(scene["key_frames"]), 1)
         self.page.show(self.server.url)
-        self.page.js("HTMLInputElement.prototype.click = function() { this.id = 'chosen'; }")
-        self.page.js("document.getElementById('load-state').click()")
-        self.page.find("chosen").send_keys(path)
+        self.page.open_file("load-state", path)
         self.page.wait("ringsplat.state.camera.elevation === 33 && ringsplat.keyFrames === 1")
         self.page.settle()
 
@@ -250,8 +240,7 @@ class TwoPages(WithPage):
         self.page.wait("!ringsplat.driving")
         other.settle()
         self.assertEqual(other.facts("state.camera.azimuth"), 77)
-        other.fill("azimuth", -20)
-        other.settle()
+        other.put("azimuth", -20)
         self.page.wait("ringsplat.state.camera.azimuth === -20")
         self.assertTrue(self.page.find("banner").is_displayed())
         self.assertFalse(other.find("banner").is_displayed())

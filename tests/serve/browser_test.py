@@ -75,8 +75,7 @@ class TheHead(WithPage):
 
     def test_the_picture_at_rest_is_the_programs(self):
         self.page.fill("azimuth", 40)
-        self.page.fill("zoom", 1.3)
-        self.page.settle()
+        self.page.put("zoom", 1.3)
         data = self.page.js("return document.getElementById('picture').toDataURL('image/png')")
         shown, rendered = os.path.join(self.folder, "shown.png"), os.path.join(self.folder, "rendered.png")
         with open(shown, "wb") as file:
@@ -91,8 +90,7 @@ class TheHead(WithPage):
         front = self.page.facts("letters")
         self.assertAlmostEqual(front["A"][2], 1)
         self.assertAlmostEqual(front["L"][0], 1)  # the patient's left is at the right of the picture
-        self.page.drag(self.page.find("picture"), (-100, 0), (200, 0))
-        self.page.settle()
+        self.page.pull((-100, 0), (200, 0))
         self.assertGreater(self.page.facts("letters")["A"][0], 0.3)
 
     def test_a_probe_tells_the_value_under_the_cursor(self):
@@ -101,7 +99,7 @@ class TheHead(WithPage):
         found = self.page.facts("probe")
         self.assertTrue(found["hit"])
         self.assertTrue(all(0 <= v <= n for v, n in zip(found["voxel"], (128, 128, 124))), found)
-        self.assertIn("value", self.page.js("return document.getElementById('probe-words').textContent"))
+        self.assertIn("value", self.page.text("probe-words"))
 
     def test_the_scale_bar_has_the_volumes_unit(self):
         bar, side = self.page.facts("scale"), min(self.page.measure()[k] for k in ("width", "height"))
@@ -117,13 +115,11 @@ class Turning(WithPage):
         for turning in ("trackball", "turntable"):
             self.page.js("document.querySelector(`[value=${arguments[0]}]`).click()", turning)
             self.page.press("1")
-            self.page.drag(self.page.find("picture"), (-60, 0), (120, 0))
-            self.page.settle()
+            self.page.pull((-60, 0), (120, 0))
             letters = self.page.facts("letters")
             self.assertGreater(letters["A"][0], 0.2, turning)  # the side that faced the viewer went right
             self.assertLess(self.camera()["azimuth"], -5, turning)
-            self.page.drag(self.page.find("picture"), (0, -40), (0, 80))
-            self.page.settle()
+            self.page.pull((0, -40), (0, 80))
             self.assertLess(self.page.facts("letters")["A"][1], -0.1, turning)  # and now down
         self.assertGreater(before["n"], 0)
 
@@ -164,8 +160,7 @@ class Turning(WithPage):
 
     def test_pan_zoom_and_roll_move_the_picture(self):
         start = self.page.measure()
-        self.page.drag(self.page.find("picture"), (0, 0), (100, 50), modifier=Keys.SHIFT)
-        self.page.settle()
+        self.page.pull((0, 0), (100, 50), modifier=Keys.SHIFT)
         panned = self.page.measure()
         self.assertAlmostEqual((panned["x"] - start["x"]) * start["width"], 100, delta=3)
         self.assertAlmostEqual((panned["y"] - start["y"]) * start["height"], 50, delta=3)
@@ -173,8 +168,7 @@ class Turning(WithPage):
         zoomed = self.page.measure()
         self.assertAlmostEqual(zoomed["n"] / start["n"], 1.1 ** 6, delta=0.2)
         self.page.press("r")
-        self.page.fill("roll", 90)
-        self.page.settle()
+        self.page.put("roll", 90)
         box = self.page.measure()["box"]  # clockwise: what was right is down
         self.assertAlmostEqual(box[3] - start["height"] / 2, start["box"][2] - start["width"] / 2, delta=3)
 
@@ -193,8 +187,7 @@ class Turning(WithPage):
 
     def test_a_pan_shows_at_once_as_the_server_draws_it_later(self):
         grab = "return [...document.getElementById('picture').getContext('2d').getImageData(300, 200, 200, 200).data]"
-        self.page.drag(self.page.find("picture"), (0, 0), (40, 20), modifier=Keys.SHIFT)
-        self.page.settle()
+        self.page.pull((0, 0), (40, 20), modifier=Keys.SHIFT)
         real = self.page.js(grab)
         self.page.press("r")
         # The server's answers are held back: what is seen is the page's own transform.

@@ -1,8 +1,7 @@
 """The viewer with several channels: `serve VOLUME --channel ...`."""
-import math, os, struct, subprocess
+import math, os, struct
 
-import viewer_client as vc
-from server_case import expect, is_alive, told
+from server_case import check_rendered, expect, is_alive, told
 
 SHOWN = "2,0=#40ff80,1"
 VIEW = {"azimuth": 30, "elevation": 20}
@@ -23,24 +22,11 @@ def make_channels(options):
     return path
 
 
-def snapshot(options, client, **state):
-    """Of the view, as a file of floats."""
-    client.send({"type": "snapshot", "id": 7, "width": 160, "height": 120, "format": "exr", "state": {"camera": VIEW, **state}})
-    picture = client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1)
-    path = os.path.join(options.scratch, "seen.exr")
-    with open(path, "wb") as file:
-        file.write(picture.file)
-    return path
-
-
-def is_rendered(options, seen, channels, *more):
-    """Bit for bit what `render` draws of these channels."""
-    drawn = os.path.join(options.scratch, "drawn.exr")
-    subprocess.run([options.program, "render", options.volume, "-o", drawn, "--channel", channels, "--quality", "best", "--size",
-                    "160x120", "--fit", "sphere", "--azimuth", "30", "--elevation", "20", "--background", "black", *more],
-                   check=True, capture_output=True)
-    compared = subprocess.run([options.program, "compare", seen, drawn, "--fail-above", "0"], capture_output=True, text=True)
-    expect(compared.returncode == 0, f"{channels} {more}: {compared.stdout}")
+def check_drawn(options, client, shown, *more, **state):
+    """A view as a file of floats has the bits of what `render` draws of these channels."""
+    picture = client.snapshot(7, 160, 120, "exr", state={"camera": VIEW, **state})
+    check_rendered(options, picture, "channels.exr", 0, options.volume, "--channel", shown, "--quality", "best", "--size",
+                   "160x120", "--fit", "sphere", "--azimuth", "30", "--elevation", "20", *more)
 
 
 def channels(options, server):
@@ -53,12 +39,12 @@ def channels(options, server):
         own = [{**look, "window": one["windows"][mode]} for look, one in zip(looks, told_of)]
         alone = [{**look, "visible": k == 1} for k, look in enumerate(own)]
         recoloured = [{**look, "colour": colour} for look, colour in zip(own, ((1, 1, 1), (0, 0, 1), (1, 0.4, 0.2)))]
-        is_rendered(options, snapshot(options, client, mode=mode, channels=own), SHOWN, "--mode", mode)
-        is_rendered(options, snapshot(options, client, mode=mode, channels=alone), "0=#40ff80", "--mode", mode)
-        is_rendered(options, snapshot(options, client, mode=mode, channels=recoloured), "2=white,0=blue,1=#ff6633", "--mode", mode)
+        check_drawn(options, client, SHOWN, "--mode", mode, mode=mode, channels=own)
+        check_drawn(options, client, "0=#40ff80", "--mode", mode, mode=mode, channels=alone)
+        check_drawn(options, client, "2=white,0=blue,1=#ff6633", "--mode", mode, mode=mode, channels=recoloured)
     windowed = [{**look, "window": [512, 2560]} for look in looks]
-    is_rendered(options, snapshot(options, client, channels=windowed), SHOWN, "--range", "512:2560")
-    is_rendered(options, snapshot(options, client, mode="surface", channels=windowed), SHOWN, "--mode", "surface", "--isovalue", "512")
+    check_drawn(options, client, SHOWN, "--range", "512:2560", channels=windowed)
+    check_drawn(options, client, SHOWN, "--mode", "surface", "--isovalue", "512", mode="surface", channels=windowed)
     views(client, looks)
     probes(client, looks)
     for wrong in ([], looks[:2], [{**look, "window": [3, 2]} for look in looks], [{**look, "colour": [0, 0, 2]} for look in looks]):
@@ -86,6 +72,5 @@ def probes(client, looks):
     found = []
     for shown in range(3):
         client.picture(seq=client.view(camera=VIEW, channels=[{**look, "visible": k >= shown} for k, look in enumerate(looks)]), at_rest=1)
-        client.send({"type": "probe", "id": shown, "x": 64, "y": 64})
-        found.append(client.text("probe"))
+        found.append(client.probe(shown, 64, 64))
     expect(all(one["hit"] for one in found) and len({one["value"] for one in found}) == 3, found)

@@ -86,10 +86,8 @@ def check_movie(options, client, movie):
                     "color_space": "bt709"}, seen)
     subprocess.run(["ffmpeg", "-v", "error", "-y", "-i", file, "-vf", "select=eq(n\\,2),format=rgb24,crop=131:97:0:0", "-frames:v", "1",
                     still], check=True)
-    client.send({"type": "snapshot", "id": 7, "width": 131, "height": 97, "format": "png",
-                 "state": {"camera": {"azimuth": 60}}})
     with open(wanted, "wb") as f:
-        f.write(client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1).file)
+        f.write(client.snapshot(7, 131, 97, state={"camera": {"azimuth": 60}}).file)
     subprocess.run([options.program, "compare", still, wanted, "--fail-above", "5"], check=True, stdout=subprocess.DEVNULL)
 
 
@@ -134,8 +132,7 @@ def movie_failures(options, server):
         until_gone("the folder", lambda: movie_folders(options))
 
     hangs(client, 3)
-    client.send({"type": "snapshot", "id": 4, "width": 64, "height": 64, "format": "png"})
-    client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1)  # does not wait for ffmpeg
+    client.snapshot(4, 64, 64)  # does not wait for ffmpeg
     client.send({"type": "cancel", "id": 3})
     all_gone()
     hangs(client, 5)

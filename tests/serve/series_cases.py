@@ -2,7 +2,7 @@
 import os, subprocess
 
 import viewer_client as vc
-from server_case import expect, is_alive
+from server_case import SAME_JPEG, check_rendered, expect, is_alive
 
 SHAPES = ("gaussians", "shell", "ball", "box", "gaussians", "shell")
 BROKEN = 4
@@ -30,13 +30,9 @@ def is_frame(frame, status):
 
 def is_the_programs(options, picture, number, limit):
     """The same as `render` of the volume by itself, with the transfer function of the first."""
-    seen, alone = (os.path.join(options.scratch, name) for name in ("seen" + (".png" if limit == 0 else ".jpg"), "alone.png"))
-    with open(seen, "wb") as f:
-        f.write(picture.file)
     volume = os.path.join(options.scratch, f"step_{number + 7}.nrrd")
-    subprocess.run([options.program, "render", volume, "-o", alone, "--quality", "best", "--size", "160x120", "--azimuth", "30",
-                    "--background", "black", "--fit", "sphere", "--tf", os.path.join(options.scratch, "tf.json")], check=True, capture_output=True)
-    subprocess.run([options.program, "compare", seen, alone, "--fail-above", str(limit)], check=True, stdout=subprocess.DEVNULL)
+    check_rendered(options, picture, "seen.png" if limit == 0 else "seen.jpg", limit, volume, "--quality", "best", "--size",
+                   "160x120", "--azimuth", "30", "--fit", "sphere", "--tf", os.path.join(options.scratch, "tf.json"))
 
 
 def show(client, frame, **more):
@@ -53,7 +49,7 @@ def series(options, server):
         if frame == 5:
             watcher.receive_until(is_frame(5, "shown"))
         watcher.receive_until(lambda m: isinstance(m, dict) and m["type"] == "state" and m["state"]["frame"] == frame)
-        seen.append((client.picture(seq=seq, at_rest=1), frame, 255 * 10 ** (-45 / 20)))
+        seen.append((client.picture(seq=seq, at_rest=1), frame, SAME_JPEG))
         watcher.picture(at_rest=1)
     watcher.close()
     seen += requests(client)
@@ -79,9 +75,8 @@ def requests(client):
     values = {}
     for frame in (1, 2):
         show(client, frame)
-        client.send({"type": "probe", "id": frame, "x": 80, "y": 60})
-        values[frame] = client.text("probe")
-        expect(values[frame]["id"] == frame and values[frame]["hit"], values[frame])
+        values[frame] = client.probe(frame, 80, 60)
+        expect(values[frame]["hit"], values[frame])
     expect(values[1] != {**values[2], "id": 1}, "the same value in both frames")
     return seen
 
@@ -108,7 +103,7 @@ def series_quickly(options, server):
         if isinstance(picture, vc.Picture):
             client.acknowledge(picture)
     expect(1 <= loads < 30, f"{loads} volumes were loaded for 41 views")
-    is_the_programs(options, picture, 3, 255 * 10 ** (-45 / 20))
+    is_the_programs(options, picture, 3, SAME_JPEG)
     client.close()
 
 
@@ -126,6 +121,6 @@ def series_failures(options, server):
     error = client.receive_until(lambda m: isinstance(m, dict) and m["type"] == "error" and "id" in m)
     expect(error["id"] == 9, error)
     seq = show(client, 2)
-    is_the_programs(options, client.picture(seq=seq, at_rest=1), 2, 255 * 10 ** (-45 / 20))
+    is_the_programs(options, client.picture(seq=seq, at_rest=1), 2, SAME_JPEG)
     client.close()
     is_alive(server)

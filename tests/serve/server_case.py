@@ -1,7 +1,10 @@
 """What the tests of a running `ringsplat serve` share."""
-import time
+import os, subprocess, time
 
 import viewer_client as vc
+
+
+SAME_JPEG = 255 * 10 ** (-45 / 20)  # 45 dB
 
 
 def expect(condition, what):
@@ -51,3 +54,14 @@ def told(client, number):
     error = client.receive_until(lambda m: isinstance(m, dict) and m["type"] == "error")
     expect(error.get("id") == number, error)
     return error["message"]
+
+
+def check_rendered(options, picture, name, limit, volume, *words):
+    """A picture's file is within `limit` the one that `render` writes."""
+    seen, drawn = (os.path.join(options.scratch, start + name) for start in ("seen_", "drawn_"))
+    drawn = os.path.splitext(drawn)[0] + (".exr" if name.endswith(".exr") else ".png")
+    with open(seen, "wb") as file:
+        file.write(picture.file)
+    subprocess.run([options.program, "render", volume, "-o", drawn, "--background", "black", *words], check=True, capture_output=True)
+    compared = subprocess.run([options.program, "compare", seen, drawn, "--fail-above", str(limit)], capture_output=True, text=True)
+    expect(compared.returncode == 0, f"{words}: {compared.stdout}")

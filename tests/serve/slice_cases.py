@@ -1,9 +1,7 @@
 """Slices that a page asks for, against those that the program draws and the file's own voxels."""
-import gzip, math, os, subprocess
+import gzip, math
 
-import viewer_client as vc
-from server_case import expect, told
-
+from server_case import check_rendered, expect, told
 
 
 def voxels(path):
@@ -17,23 +15,18 @@ def voxels(path):
 def across_view(options, client):
     """Through a voxel, against the program's picture of what two planes leave there."""
     at, (azimuth, elevation), volume = (50, 77, 62), (25, 35), client.hello["volume"]
-    client.send({"type": "snapshot", "id": 30, "width": 200, "height": 160, "format": "png", "slice": at,
-                 "state": {"transfer_function": client.hello["modes"]["mip"], "mode": "mean",
-                           "camera": {"azimuth": azimuth, "elevation": elevation, "zoom": 3, "pan": [0.2, 0.1]}}})
-    got = client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1)
-    files = [os.path.join(options.scratch, name) for name in ("across.png", "program_across.png")]
-    with open(files[0], "wb") as file:
-        file.write(got.file)
+    got = client.snapshot(30, 200, 160, slice=at, state={
+        "transfer_function": client.hello["modes"]["mip"], "mode": "mean",
+        "camera": {"azimuth": azimuth, "elevation": elevation, "zoom": 3, "pan": [0.2, 0.1]}})
     a, e = math.radians(azimuth), math.radians(elevation)
     viewer = (math.cos(e) * math.sin(a), -math.cos(e) * math.cos(a), math.sin(e))
     place = [(at[k] - (volume["dims"][k] - 1) / 2) * volume["spacing"][k] for k in range(3)]
     world = [sum(volume["direction"][3 * k + row] * place[k] for k in range(3)) for row in range(3)]
     far, half = sum(v * w for v, w in zip(viewer, world)), 1e-3 * min(volume["spacing"])
     planes = [(*viewer, far - half), (*(-v for v in viewer), -far - half)]
-    subprocess.run([options.program, "render", options.volume, "-o", files[1], "--size", "200x160", "--background", "black",
-                    "--azimuth", str(azimuth), "--elevation", str(elevation), "--fit", "sphere", "--mode", "mip",
-                    "--clip-plane", ":".join(",".join(map(repr, plane)) for plane in planes)], check=True, capture_output=True)
-    subprocess.run([options.program, "compare", *files, "--fail-above", "1"], check=True, stdout=subprocess.DEVNULL)
+    check_rendered(options, got, "across.png", 1, options.volume, "--size", "200x160", "--azimuth", str(azimuth), "--elevation",
+                   str(elevation), "--fit", "sphere", "--mode", "mip", "--clip-plane",
+                   ":".join(",".join(map(repr, plane)) for plane in planes))
 
 
 def slices(options, server):
@@ -45,15 +38,10 @@ def slices(options, server):
         along = [abs(lies[way]) - 1 for way in ("right", "up")]
         extents = [dims[k] * client.hello["volume"]["spacing"][k] for k in along]
         size = [300, round(300 * extents[1] / extents[0])]
-        client.send({"type": "snapshot", "id": 10 + axis, "width": size[0], "height": size[1], "format": "png", "slice": [axis, index],
-                     "state": {"transfer_function": grey, "clip": [[0, 9], [0, 9], [0, 9]], "mode": "mean"}})
-        got = client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1)
-        files = [os.path.join(options.scratch, name) for name in (f"slice{axis}.png", f"program{axis}.png")]
-        with open(files[0], "wb") as file:
-            file.write(got.file)
-        subprocess.run([options.program, "render", options.volume, "-o", files[1], "--slice", f"{'xyz'[axis]}={index}", "--size",
-                        f"{size[0]}x{size[1]}", "--background", "black"], check=True, capture_output=True)
-        subprocess.run([options.program, "compare", *files, "--fail-above", "0"], check=True, stdout=subprocess.DEVNULL)
+        got = client.snapshot(10 + axis, *size, slice=[axis, index],
+                              state={"transfer_function": grey, "clip": [[0, 9], [0, 9], [0, 9]], "mode": "mean"})
+        check_rendered(options, got, "slice.png", 0, options.volume, "--slice", f"{'xyz'[axis]}={index}", "--size",
+                       f"{size[0]}x{size[1]}")
     across_view(options, client)
     for number, wrong in enumerate(([3, 0], [0, 128], [0, -1], [0], [1, 2, "x"], "x", 7)):
         client.send({"type": "snapshot", "id": 100 + number, "width": 8, "height": 8, "format": "png", "slice": wrong})

@@ -148,6 +148,25 @@ class Client:
         return self.receive_until(
             lambda m: isinstance(m, Picture) and all(getattr(m, k) == v for k, v in wanted.items()), timeout)
 
+    def snapshot(self, number, width, height, format="png", **more):
+        """A file of a view, or of what `slice` and `state` say."""
+        self.send({"type": "snapshot", "id": number, "width": width, "height": height, "format": format, **more})
+        return self.receive_until(lambda m: isinstance(m, Picture) and m.kind == 1 and m.number == number)
+
+    def probe(self, number, x, y):
+        self.send({"type": "probe", "id": number, "x": x, "y": y})
+        found = self.text("probe")
+        assert found["id"] == number, found
+        return found
+
+    def rest(self):
+        """Receives until the connection is closed."""
+        try:
+            while True:
+                self.receive()
+        except (Closed, ConnectionError):
+            pass
+
     def acknowledge(self, picture):
         self.send({"type": "ack", "picture": picture.number})
 

@@ -183,7 +183,7 @@ class Page:
         return self.driver.find_element(By.ID, element_id)
 
     def messages(self):
-        return self.js("return document.getElementById('messages').textContent")
+        return self.text("messages")
 
     def log(self):
         return [entry["message"] for entry in self.driver.get_log("browser")]
@@ -199,6 +199,13 @@ class Page:
         self.focus_picture()
         self.keys(*keys)
         self.settle()
+
+    def key_frames_of_film(self, seconds, width, height):
+        """Two key frames, and a film of them with four pictures a second."""
+        self.press("1", "k")
+        self.press("3", "k")
+        for field, value in (("seconds", seconds), ("rate", 4), ("width", width), ("height", height)):
+            self.fill("film-" + field, value)
 
     def measure(self):
         return self.js(MEASURE)
@@ -218,11 +225,35 @@ class Page:
             chain.key_up(modifier)
         chain.perform()
 
+    def pull(self, start, shift, modifier=None):
+        """Drags on the picture, until its final one is there."""
+        self.drag(self.find("picture"), start, shift, modifier=modifier)
+        self.settle()
+
     def fill(self, element_id, value):
         """A field's new value, as by typing and leaving it."""
         self.js("const f = document.getElementById(arguments[0]); f.closest('details')?.setAttribute('open', '');"
                 "f.value = arguments[1]; f.dispatchEvent(new Event('input', {bubbles: true}));"
                 "f.dispatchEvent(new Event('change', {bubbles: true}));", element_id, value)
+
+    def open_file(self, button, path):
+        """A chooser of files cannot be driven: the field that it would fill is kept and filled."""
+        self.js("HTMLInputElement.prototype.click = function() { this.id = 'chosen'; }")
+        self.js("document.getElementById(arguments[0]).click()", button)
+        self.find("chosen").send_keys(path)
+
+    def put(self, element_id, value):
+        """As fill, until the final picture is there."""
+        self.fill(element_id, value)
+        self.settle()
+
+    def press_button(self, element_id):
+        """As click, until the final picture is there."""
+        self.click(element_id)
+        self.settle()
+
+    def text(self, element_id):
+        return self.js("return document.getElementById(arguments[0]).textContent", element_id)
 
     def click(self, element_id):
         self.js("const f = document.getElementById(arguments[0]); f.closest('details')?.setAttribute('open', '');"
