@@ -5,7 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/succeeded.hpp"
+#include "app/workshop.hpp"
 #include "images/image_io.hpp"
 #include "support/catch.hpp"
 
@@ -50,18 +50,11 @@ Overlay drawn(const FrameSpec& spec, const VolumeNotes& notes = {}) {
   return app::Annotation(cube(), notes, std::nullopt).overlay(spec, range(0, 255));
 }
 
-/// A volume and its picture without annotations.
-struct Files {
-  TemporaryFolder folder;
-  std::string volume = folder / "jack.nrrd";
-  Files() { REQUIRE(run_program({"synth", "jack", "-o", volume, "--dims", "24x24x24"}).code == 0); }
-  Ended render(const std::string& name, std::vector<std::string> more) const {
-    more.insert(more.begin(), {"render", volume, "-o", folder / name, "--size", "256", "--tf", "grey"});
-    return run_program(more);
-  }
-  StoredImage picture(const std::string& name, const std::vector<std::string>& more) const {
-    succeeded(render(name, more));
-    return read_image(folder / name);
+struct Files : Workshop {
+  Files() : Workshop("jack", "24x24x24", {"--size", "256", "--tf", "grey"}) {}
+  StoredImage picture(const std::string& name, const Words& more) const {
+    render(name, more);
+    return read_image(*this / name);
   }
 };
 
@@ -200,15 +193,13 @@ TEST_CASE("values farther apart than any number have no colour bar") {
 
 TEST_CASE("annotations are drawn into a transparent picture, an opaque one and an .exr, and nowhere else") {
   const Files files;
-  for (const auto& [file, more] :
-       std::vector<std::pair<std::string, std::vector<std::string>>>{{"x.png", {}},
-                                                                     {"x.png", {"--background", "white"}},
-                                                                     {"x.exr", {}},
-                                                                     {"x.exr", {"--background", "black"}}}) {
+  const std::vector<std::pair<std::string, Words>> cases{{"x.png", {}},
+                                                         {"x.png", {"--background", "white"}},
+                                                         {"x.exr", {}},
+                                                         {"x.exr", {"--background", "black"}}};
+  for (const auto& [file, more] : cases) {
     const Image plain = files.picture(file, more).image;
-    std::vector<std::string> annotate = more;
-    annotate.emplace_back("--annotate");
-    const StoredImage annotated = files.picture(file, annotate);
+    const StoredImage annotated = files.picture(file, joined(more, {"--annotate"}));
     const Changed count = changed(plain, annotated.image);
     INFO(file << ' ' << count.all);
     CHECK(count.all > 1000);
@@ -221,9 +212,8 @@ TEST_CASE("annotations are drawn into a transparent picture, an opaque one and a
 
 TEST_CASE("what is measured of a picture is measured without its annotations", "[mpi]") {
   const Files files;
-  const auto error_of = [&](std::vector<std::string> more) {
-    more.insert(more.end(), {"--error", "method", "--stats", "-"});
-    const Ended ended = succeeded(files.render("x.png", more));
+  const auto error_of = [&](const Words& more) {
+    const Ended ended = files.render("x.png", joined(more, {"--error", "method", "--stats", "-"}));
     json error = json::parse(ended.out).at(0).at("error");
     error.erase("seconds");
     return error;
@@ -234,23 +224,13 @@ TEST_CASE("what is measured of a picture is measured without its annotations", "
 TEST_CASE("--annotate without a font says what to install, and writes nothing", "[mpi]") {
   const Files files;
   const auto attempt = [&](const std::string& font) {
-    return run_command(
-        "env " + quoted("RINGSPLAT_FONT=" + font) + " " +
-        command_of(RINGSPLAT_PROGRAM, {"render", files.volume, "-o", files.folder / "no.png", "--annotate"}));
+    return run_command("env " + quoted("RINGSPLAT_FONT=" + font) + " " +
+                       command_of(RINGSPLAT_PROGRAM, files.words("no.png", {"--annotate"})));
   };
-  const Ended missing = attempt(files.folder / "none.ttf");
-  CHECK(missing.code == 2);
-  CHECK_THAT(missing.err, Contains("RINGSPLAT_FONT names") && Contains("hint: name a TrueType font"));
-  write_text(files.folder / "bad.ttf", "no font at all");
-  const Ended bad = attempt(files.folder / "bad.ttf");
-  CHECK(bad.code == 2);
-  CHECK_THAT(bad.err, Contains("no text can be drawn with"));
-  CHECK_FALSE(fs::exists(files.folder / "no.png"));
-}
-
-TEST_CASE("--annotate needs a picture to draw into") {
-  const Files files;
-  const Ended ended = run_program({"render", files.volume, "--stats", "-", "--annotate"});
-  CHECK(ended.code == 2);
-  CHECK_THAT(ended.err, Contains("--annotate has no effect without --output"));
+  const Ended missing = attempt(files / "none.ttf");
+  check_refused(missing, "RINGSPLAT_FONT names");
+  CHECK_THAT(missing.err, Contains("hint: name a TrueType font"));
+  write_text(files / "bad.ttf", "no font at all");
+  check_refused(attempt(files / "bad.ttf"), "no text can be drawn with");
+  CHECK_FALSE(fs::exists(files / "no.png"));
 }

@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "app/program_runner.hpp"
+#include "app/parsed.hpp"
+#include "app/workshop.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;
@@ -16,7 +17,7 @@ using namespace ringsplat::app_test;
 namespace {
 
 struct Case {
-  std::vector<std::string> arguments;
+  std::string words;      ///< '' stands for an empty one
   std::string fragment;   ///< of the error line
   bool with_mpi = false;  ///< under mpirun -n 3 too
 };
@@ -70,178 +71,205 @@ class Inputs {
   TemporaryFolder folder_;
 };
 
-// A first word that is "+" stands for "render IN/good.nrrd -o OUT/x.png" and the rest of the options.
+// A first word that is + stands for "render {in}/good.nrrd -o {out}/x.png".
 const std::vector<Case> command_line_cases{
-    {{}, "subcommand"},
-    {{"rendr", "{in}/good.nrrd"}, "did you mean render?"},
-    {{"render", "-o", "{out}/x.png"}, "VOLUME", true},
-    {{"render", "{in}/good.nrrd"}, "--output"},
-    {{"render", "{in}/good.nrrd", "--count-only", "-o", "{out}/x.png"}, "--count-only and --output"},
-    {{"render", "{in}/good.nrrd", "-o", "{out}/x.png", "--voxel-weight", "4"}, "--voxel-weight"},
-    {{"render", "{in}/good.nrrd", "-o", "{out}/x.png", "--step-seconds", "1"}, "--step-seconds"},
-    {{"render", "{in}/good.nrrd", "-o", "{out}/x.png", "--machine", "{in}/none.toml"}, "none.toml"},
-    {{"+", "--sizee", "512"}, "did you mean --size?", true},
-    {{"+", "--window", "0:80"}, "did you mean --range?", true},
-    {{"+", "--colormap", "viridis"}, "did you mean --colours? --tf changes", true},
-    {{"+", "--cmap=viridis"}, "did you mean --colours?", true},
-    {{"+", "--mip"}, "did you mean --mode?", true},
-    {{"+", "--resolution", "512"}, "did you mean --size?", true},
-    {{"+", "--threads", "2"}, "did you mean --threads-per-rank?", true},
-    {{"info", "{in}/good.nrrd", "--roi", "1:2"}, "did you mean --clip?"},
-    {{"+", "extra"}, "'extra' is not expected"},
-    {{"+", "--size", "0x0"}, "image size 0x0", true},
-    {{"+", "--size", "512x"}, "'512x' is no image size"},
-    {{"+", "--size", "-5"}, "image size -5x-5"},
-    {{"+", "--size", "1000000x1000000"}, "GiB"},
-    {{"+", "--region", "0"}, "--region", true},
-    {{"+", "--image-plane", "sky"}, "screen|slices"},
-    {{"+", "--image-plane", "slices", "--samples", "3"}, "--samples cannot be 3"},
-    {{"+", "--samples", "2"}, "no effect"},
-    {{"+", "--region", "1.5"}, "--region"},
-    {{"+", "--zoom", "0"}, "zoom", true},
-    {{"+", "--zoom", "nan"}, "zoom"},
-    {{"+", "--quality", "paper", "--zoom", "1e30"}, "kernel"},
-    {{"+", "--azimuth", "inf"}, "azimuth"},
-    {{"+", "--azimuth", "north"}, "--azimuth"},
-    {{"+", "--quality", "paper", "--radius", "0"}, "radius 0"},
-    {{"+", "--light", "0", "0", "0"}, "--light"},
-    {{"+", "--light", "0", "1"}, "--light"},
-    {{"+", "--ambient", "-1"}, "Phong"},
-    {{"+", "--matrix", "0", "0", "0", "0", "0", "0", "0", "0", "0", "0", "0", "0"}, "matrix"},
-    {{"+", "--matrix", "1", "0", "0"}, "--matrix"},
-    {{"+", "--shading", "gouraud"}, "phong|none"},
-    {{"+", "--axes", "x"}, "needed|all"},
-    {{"+", "--topology", "star"}, "--topology"},
-    {{"+", "--mesh", "2x2"}, "--mesh has no effect in a ring"},
-    {{"+", "--routing", "direct"}, "--routing has no effect in a ring"},
-    {{"+", "--topology", "mesh"}, "--topology mesh needs a shape"},
-    {{"+", "--background", "nocolour"}, "no colour"},
-    {{"+", "--orbit", "0"}, "--orbit"},
-    {{"+", "--orbit", "-3"}, "--orbit"},
-    {{"+", "--orbit", ""}, "--orbit", true},
-    {{"+", "--orbit", "10000000000000000000000"}, "--orbit"},
-    {{"+", "--max-delay", "-4"}, "--max-delay"},
-    {{"+", "--path", ""}, "--path is empty"},
-    {{"+", "--stats", ""}, "--stats is empty"},
-    {{"+", "--config", ""}, "--config is empty"},
-    {{"+", "--gps", "0"}, "--gps is 0", true},
-    {{"+", "--renderers", "-1"}, "--renderers is -1"},
-    {{"+", "--gps", "2.5"}, "--gps"},
-    {{"+", "--gps", "100000"}, "too many for one process"},
-    {{"+", "--slots", "0"}, "slots"},
-    {{"+", "--frames-in-flight", "0"}, "frames"},
-    {{"+", "--look-ahead", "0"}, "look"},
-    {{"+", "--send-ahead", "-1"}, "--send-ahead is -1"},
-    {{"+", "--threads-per-rank", "0"}, "at least 1", true},
-    {{"+", "--threads-per-rank", "-2"}, "at least 1"},
-    {{"+", "--threads-per-rank", "100000"}, "for each core"},
-    {{"+", "--threads-per-rank", "two"}, "--threads-per-rank"},
-    {{"+", "--stall-timeout", "0"}, "stall"},
-    {{"+", "--seed", "-1"}, "--seed"},
-    {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "4", "--type", "uint8", "--offset",
-      "-1"},
-     "--offset"},
+    {"+ --max-error 0", "--max-error"},
+    {"+ --max-error nan", "--max-error"},
+    {"+ --max-error few", "--max-error"},
+    {"+ --engine sheets --slabs 0", "--slabs cannot be 0"},
+    {"+ --engine sheets --light-points 3", "--light-points cannot be 3"},
+    {"+ --range 5", "is no window"},
+    {"+ --range 9:5", "does not ascend"},
+    {"+ --range 5:inf", "is not finite"},
+    {"+ --opacity 0", "no number above 0"},
+    {"+ --colours virids", "no colour map"},
+    {"+ --log --range 0:5", "only positive"},
+    {"+ --view above", "front|back|left|right|top|bottom"},
+    {"+ --clip 0:4,0:5,0:4", "the y part, '0:5', does not lie within the volume", true},
+    {"+ --clip-plane 1,0,0,0 --quality paper", "--clip-plane has no effect on splats"},
+    {"+ --slice plane:1,1,0", "--slice plane: '1,1,0' is no plane"},
+    {"+ --gps some", "--gps cannot be 'some'"},
+    {"", "subcommand"},
+    {"rendr {in}/good.nrrd", "did you mean render?"},
+    {"render -o {out}/x.png", "VOLUME", true},
+    {"render {in}/good.nrrd", "--output"},
+    {"render {in}/good.nrrd --count-only -o {out}/x.png", "--count-only and --output"},
+    {"+ --voxel-weight 4", "--voxel-weight"},
+    {"+ --step-seconds 1", "--step-seconds"},
+    {"+ --machine {in}/none.toml", "none.toml"},
+    {"+ --sizee 512", "did you mean --size?", true},
+    {"+ --window 0:80", "did you mean --range?"},
+    {"+ --colormap viridis", "did you mean --colours? --tf changes"},
+    {"+ --mip", "did you mean --mode?"},
+    {"+ --resolution 512", "did you mean --size?"},
+    {"+ --threads 2", "did you mean --threads-per-rank?"},
+    {"info {in}/good.nrrd --roi 1:2", "did you mean --clip?"},
+    {"+ extra", "'extra' is not expected"},
+    {"+ --size 0x0", "image size 0x0", true},
+    {"+ --size 512x", "'512x' is no image size"},
+    {"+ --size -5", "image size -5x-5"},
+    {"+ --size 1000000x1000000", "GiB"},
+    {"+ --region 0", "--region"},
+    {"+ --image-plane sky", "screen|slices"},
+    {"+ --image-plane slices --samples 3", "--samples cannot be 3"},
+    {"+ --zoom 0", "zoom"},
+    {"+ --quality paper --zoom 1e30", "kernel"},
+    {"+ --azimuth inf", "azimuth"},
+    {"+ --azimuth north", "--azimuth"},
+    {"+ --quality paper --radius 0", "radius 0"},
+    {"+ --light 0 1", "--light"},
+    {"+ --ambient -1", "Phong"},
+    {"+ --matrix 0 0 0 0 0 0 0 0 0 0 0 0", "matrix"},
+    {"+ --matrix 1 0 0", "--matrix"},
+    {"+ --routing direct", "--routing has no effect in a ring"},
+    {"+ --topology mesh", "--topology mesh needs a shape"},
+    {"+ --background nocolour", "no colour"},
+    {"+ --orbit 0", "--orbit"},
+    {"+ --orbit ''", "--orbit"},
+    {"+ --orbit 10000000000000000000000", "--orbit"},
+    {"+ --max-delay -4", "--max-delay"},
+    {"+ --path ''", "--path is empty"},
+    {"+ --gps 0", "--gps is 0"},
+    {"+ --renderers -1", "--renderers is -1"},
+    {"+ --gps 100000", "too many for one process"},
+    {"+ --slots 0", "slots"},
+    {"+ --frames-in-flight 0", "frames"},
+    {"+ --look-ahead 0", "look"},
+    {"+ --send-ahead -1", "--send-ahead is -1"},
+    {"+ --threads-per-rank 0", "at least 1"},
+    {"+ --threads-per-rank 100000", "for each core"},
+    {"+ --stall-timeout 0", "stall"},
+    {"+ --seed -1", "--seed"},
+    {"render {in}/no_dimensions.raw -o {out}/x.png --dims 4 --type uint8 --offset -1", "--offset"},
 };
 
 const std::vector<Case> contradictions{
-    {{"+", "--orbit", "3", "--path", "{in}/bad_path.csv"}, "--orbit and --path", true},
-    {{"+", "--topology", "mesh", "--mesh", "2x2", "--send-ahead", "4"}, "--mesh and --send-ahead"},
-    {{"+", "--orbit", "3", "--matrix", "1", "0", "0", "0", "0", "1", "0", "0", "0", "0", "1", "0"},
-     "--matrix and --orbit"},
-    {{"+", "--azimuth", "3", "--matrix", "1", "0", "0", "0", "0", "1", "0", "0", "0", "0", "1", "0"},
-     "--matrix and --azimuth"},
-    {{"+", "--shading", "none", "--light", "0", "0", "1"}, "no effect"},
-    {{"+", "--error-pixels", "99"}, "no effect"},
-    {{"+", "--error-seed", "3"}, "no effect"},
-    {{"+", "--prefilter"}, "no effect"},
-    {{"+", "--link-slots", "2"}, "no effect"},
-    {{"+", "--seed", "2"}, "no effect"},
-    {{"render", "{in}/good.nrrd", "--count-only", "--max-error", "3"}, "--count-only and --max-error"},
-    {{"render", "{in}/good.nrrd", "--count-only", "--error", "method"}, "--count-only and --error"},
-    {{"+", "--quality", "paper", "--normalisation", "exact"}, "none|constant"},
-    {{"+", "--stats", "{out}/x.png"}, "same file", true},
-    {{"+", "--stats", "{out}/./x.png"}, "same file"},
-    {{"+", "--trace", "{in}/good.nrrd"}, "would replace the volume"},
-    {{"+", "--tf", "{in}/good.json", "--tf-out", "{in}/good.json"}, "would replace --tf"},
-    {{"render", "{in}/stack", "-o", "{in}/stack/1.png"}, "among the slices of the volume"},
-    {{"+", "--config", "{in}/contradiction.toml", "--path", "{in}/bad_path.csv"}, "--orbit and --path"},
-    {{"+", "--dims", "4x4x4"}, "only --spacing"},
+    {"+ --max-error 1 --path -", "--max-error"},
+    {"+ --labels --log", "contradict"},
+    {"+ --labels --tf grey", "contradict"},
+    {"+ --view top --azimuth 10", "--view and --azimuth contradict each other"},
+    {"+ --view top --eye 1 2 300", "contradict"},
+    {"+ --fit box --matrix 1 0 0 0 0 1 0 0 0 0 1 0", "contradict"},
+    {"+ --fit box --projection perspective --quality best --distance 4", "contradict"},
+    {"+ --fit box --projection perspective --quality best --eye 1 2 300", "--fit has no effect"},
+    {"+ --error analytic", "formula"},
+    {"+ --guarantee --error certified", "--max-error"},
+    {"+ --guarantee --error field --max-error 1", "--error certified"},
+    {"+ --error-map {out}/map.png", "--error"},
+    {"+ --error field --error-map {out}/map.jpg", "--error-map"},
+    {"+ --error certified --mode attenuated", "--mode attenuated"},
+    {"+ --gps auto", "mpirun -n N"},
+    {"render {in}/good.nrrd --stats - --annotate", "--annotate has no effect without --output"},
+    {"+ --orbit 3 --path {in}/bad_path.csv", "--orbit and --path", true},
+    {"+ --topology mesh --mesh 2x2 --send-ahead 4", "--mesh and --send-ahead"},
+    {"+ --orbit 3 --matrix 1 0 0 0 0 1 0 0 0 0 1 0", "--matrix and --orbit"},
+    {"+ --azimuth 3 --matrix 1 0 0 0 0 1 0 0 0 0 1 0", "--matrix and --azimuth"},
+    {"+ --shading none --light 0 0 1", "no effect"},
+    {"+ --error-seed 3", "no effect"},
+    {"+ --link-slots 2", "no effect"},
+    {"render {in}/good.nrrd --count-only --max-error 3", "--count-only and --max-error"},
+    {"render {in}/good.nrrd --count-only --error method", "--count-only and --error"},
+    {"+ --quality paper --normalisation exact", "none|constant"},
+    {"+ --layers 3", "--layers cannot be 3"},
+    {"+ --layers 16 --mode mip", "--layers and --mode contradict"},
+    {"+ --layers 16 --quality paper", "--layers has no effect on splats"},
+    {"render {in}/good.nrrd --layers 16 --count-only --stats {out}/x.json", "--count-only and --layers"},
+    {"info {in}/good.nrrd --ranks 4 --layers 16", "--layers and --ranks"},
+    {"+ --stats {out}/x.png", "same file", true},
+    {"+ --stats {out}/./x.png", "same file"},
+    {"+ --trace {in}/good.nrrd", "would replace the volume"},
+    {"+ --tf {in}/good.json --tf-out {in}/good.json", "would replace --tf"},
+    {"render {in}/stack -o {in}/stack/1.png", "among the slices of the volume"},
+    {"+ --config {in}/contradiction.toml --path {in}/bad_path.csv", "--orbit and --path"},
+    {"+ --dims 4x4x4", "only --spacing"},
 };
 
 const std::vector<Case> volume_cases{
-    {{"render", "{in}/missing.nrrd", "-o", "{out}/x.png"}, "missing.nrrd", true},
-    {{"render", "{in}/truncated.nrrd", "-o", "{out}/x.png"}, "truncated.nrrd", true},
-    {{"render", "{in}/huge_claim.nrrd", "-o", "{out}/x.png"}, "huge_claim.nrrd", true},
-    {{"render", "{in}/zero_dimension.nrrd", "-o", "{out}/x.png"}, "zero_dimension.nrrd"},
-    {{"render", "{in}/wrong_size_8x8x8_uint8.raw", "-o", "{out}/x.png"}, "512"},
-    {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png"}, "no_dimensions.raw"},
-    {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "0x4x4", "--type", "uint8"},
-     "--dims"},
-    {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "4x4x4", "--type", "uint9"},
-     "uint9"},
-    {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "4", "--type", "uint8", "--endian",
-      "middle"},
-     "--endian"},
-    {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "4", "--type", "uint8", "--spacing",
-      "0"},
-     "--spacing"},
-    {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "4", "--type", "uint8", "--offset",
-      "60"},
-     "--offset"},
-    {{"render", "{in}/nan_4x4x4_float32.raw", "-o", "{out}/x.png"}, "no finite value", true},
-    {{"render", "{in}/letter.txt", "-o", "{out}/x.png"}, "letter.txt"},
-    {{"render", "{in}/empty_folder", "-o", "{out}/x.png"}, "empty_folder"},
-    {{"render", "{in}/sparse_16000x12500x5000_uint8.raw", "-o", "{out}/x.png", "--view", "front"},
-     "GiB",
-     true},
+    {"render {in}/missing.nrrd -o {out}/x.png", "missing.nrrd", true},
+    {"render {in}/truncated.nrrd -o {out}/x.png", "truncated.nrrd", true},
+    {"render {in}/huge_claim.nrrd -o {out}/x.png", "huge_claim.nrrd", true},
+    {"render {in}/zero_dimension.nrrd -o {out}/x.png", "zero_dimension.nrrd"},
+    {"render {in}/wrong_size_8x8x8_uint8.raw -o {out}/x.png", "512"},
+    {"render {in}/no_dimensions.raw -o {out}/x.png", "no_dimensions.raw"},
+    {"render {in}/no_dimensions.raw -o {out}/x.png --dims 0x4x4 --type uint8", "--dims"},
+    {"render {in}/no_dimensions.raw -o {out}/x.png --dims 4x4x4 --type uint9", "uint9"},
+    {"render {in}/no_dimensions.raw -o {out}/x.png --dims 4 --type uint8 --endian middle", "--endian"},
+    {"render {in}/no_dimensions.raw -o {out}/x.png --dims 4 --type uint8 --spacing 0", "--spacing"},
+    {"render {in}/no_dimensions.raw -o {out}/x.png --dims 4 --type uint8 --offset 60", "--offset"},
+    {"render {in}/nan_4x4x4_float32.raw -o {out}/x.png", "no finite value", true},
+    {"render {in}/letter.txt -o {out}/x.png", "letter.txt"},
+    {"render {in}/empty_folder -o {out}/x.png", "empty_folder"},
+    {"render {in}/sparse_16000x12500x5000_uint8.raw -o {out}/x.png --view front", "GiB", true},
 };
 
 const std::vector<Case> small_file_cases{
-    {{"+", "--tf", "nonsense"}, "neither a preset nor a file", true},
-    {{"+", "--tf", "mr-sof"}, "did you mean mr-soft?"},
-    {{"+", "--tf", "{in}/missing.json"}, "missing.json"},
-    {{"+", "--tf", "{in}/one_point.json"}, "one_point.json", true},
-    {{"+", "--tf", "{in}/not_json.json"}, "not_json.json"},
-    {{"+", "--tf", "{in}/empty_folder"}, "empty_folder"},
-    {{"+", "--path", "{in}/missing.csv"}, "missing.csv"},
-    {{"+", "--path", "{in}/empty_folder"}, "empty_folder"},
-    {{"+", "--path", "{in}/bad_path.csv"}, "bad_path.csv:2"},
-    {{"+", "--path", "{in}/empty_path.csv"}, "no view"},
-    {{"+", "--path", "{in}/zero_zoom_path.csv"}, "frame 1"},
-    {{"+", "--config", "{in}/missing.toml"}, "missing.toml"},
-    {{"+", "--config", "{in}/unknown_key.toml"}, "gpss", true},
+    {"+ --tf nonsense", "neither a preset nor a file", true},
+    {"+ --tf mr-sof", "did you mean mr-soft?"},
+    {"+ --tf {in}/missing.json", "missing.json"},
+    {"+ --tf {in}/one_point.json", "one_point.json", true},
+    {"+ --tf {in}/not_json.json", "not_json.json"},
+    {"+ --path {in}/missing.csv", "missing.csv"},
+    {"+ --path {in}/empty_folder", "empty_folder"},
+    {"+ --path {in}/bad_path.csv", "bad_path.csv:2"},
+    {"+ --path {in}/empty_path.csv", "no view"},
+    {"+ --path {in}/zero_zoom_path.csv", "frame 1"},
+    {"+ --config {in}/missing.toml", "missing.toml"},
+    {"+ --config {in}/unknown_key.toml", "gpss", true},
 };
 
 const std::vector<Case> output_cases{
-    {{"render", "{in}/good.nrrd", "-o", "{out}/missing/x.png"}, "no folder", true},
-    {{"render", "{in}/good.nrrd", "-o", "{out}/x.xyz"}, "x.xyz"},
-    {{"render", "{in}/good.nrrd", "-o", "{out}"}, "picture format"},
-    {{"render", "{in}/good.nrrd", "-o", "/proc/x.png"}, "cannot be written"},
-    {{"render", "{in}/good.nrrd", "-o", "{out}/x.jpg"}, "transparency"},
-    {{"+", "--stats", "{out}/missing/stats.json"}, "--stats"},
-    {{"+", "--tf-out", "/proc/tf.json"}, "--tf-out"},
+    {"+ --trace {out}/missing/trace.json", "--trace", true},
+    {"+ --trace {out}", "--trace"},
+    {"+ --trace {out}/x.png", "--trace"},
+    {"+ --stats - --trace -", "same file"},
+    {"render {in}/good.nrrd -o -", "cannot go to standard output"},
+    {"reference {in}/good.nrrd -o -", "cannot go to standard output"},
+    {"compare {in}/a.png {in}/b.png --diff -", "cannot go to standard output"},
+    {"synth ball -o -", "cannot go to standard output"},
+    {"render {in}/good.nrrd -o {out}/missing/x.png", "no folder", true},
+    {"render {in}/good.nrrd -o {out}/x.xyz", "x.xyz"},
+    {"render {in}/good.nrrd -o {out}", "picture format"},
+    {"render {in}/good.nrrd -o /proc/x.png", "cannot be written"},
+    {"render {in}/good.nrrd -o {out}/x.jpg", "transparency"},
+    {"+ --stats {out}/missing/stats.json", "--stats"},
+    {"+ --tf-out /proc/tf.json", "--tf-out"},
 };
 
 const std::vector<Case> other_subcommands{
-    {{"info"}, "VOLUME"},
-    {{"info", "{in}/good.nrrd", "--gps", "0"}, "--gps"},
-    {{"info", "{in}/good.nrrd", "--presets"}, "--presets and volume"},
-    {{"info", "{in}/good.nrrd", "--ranks", "2", "--path", "-"}, "stdin"},
-    {{"info", "{in}/good.nrrd", "--tf-out", "{out}/x.json"}, "--tf-out"},
-    {{"info", "{in}/truncated.nrrd"}, "truncated.nrrd", true},
-    {{"compare", "{in}/good.nrrd"}, "b is required"},
-    {{"compare", "{in}/missing.png", "{in}/missing.png"}, "missing.png", true},
-    {{"compare", "{in}/letter.txt", "{in}/letter.txt"}, "letter.txt"},
-    {{"compare", "{in}/letter.txt", "{in}/letter.txt", "--fail-above", "-1"}, "--fail-above"},
-    {{"compare", "{in}/letter.txt", "{in}/letter.txt", "--diff-scale", "2"}, "no effect"},
-    {{"synth", "--list", "ball"}, "--list and name"},
-    {{"synth", "--list", "-o", "{out}/x.nrrd"}, "--list and --output"},
-    {{"synth", "nonsense", "-o", "{out}/x.nrrd"}, "nonsense"},
-    {{"synth", "ball"}, "-o FILE"},
-    {{"synth", "-o", "{out}/x.nrrd"}, "NAME"},
-    {{"synth", "ball", "-o", "{out}/x.xyz"}, "x.xyz"},
-    {{"synth", "ball", "-o", "{out}/missing/x.nrrd"}, "no folder"},
-    {{"synth", "ball", "-o", "{out}/x.nrrd", "--dims", "100000"}, "KiB, but the disk has"},
+    {"reference {in}/good.nrrd -o {out}/x.exr --truth analytic", "--formula"},
+    {"reference {in}/good.nrrd -o {out}/x.exr --truth analytic --formula cow", "cow"},
+    {"reference {in}/good.nrrd -o {out}/x.exr --formula ball", "no effect"},
+    {"reference {in}/good.nrrd -o {out}/x.exr --truth gut", "gut"},
+    {"reference {in}/good.nrrd -o {out}/x.exr --truth certified --mode attenuated --tf grey",
+     "--mode attenuated"},
+    {"reference {in}/good.nrrd -o {out}/x.exr --clip 3:3,,", "the x part, '3:3', has no voxel"},
+    {"reference {in}/good.nrrd -o {out}/x.exr --path -", "stdin"},
+    {"info {in}/good.nrrd --clip 3:3,,", "the x part, '3:3', has no voxel"},
+    {"info {in}/good.nrrd --azimuth 30", "--ranks"},
+    {"info {in}/good.nrrd --cores 2", "--ranks"},
+    {"info {in}/good.nrrd --machine x.toml", "--ranks"},
+    {"info {in}/good.nrrd --quality paper", "--ranks"},
+    {"info {in}/good.nrrd --ranks 0", "--ranks"},
+    {"info {in}/good.nrrd --ranks 2 --machine {in}/none.toml", "none.toml"},
+    {"info", "VOLUME"},
+    {"info {in}/good.nrrd --gps 0", "--gps"},
+    {"info {in}/good.nrrd --presets", "--presets and volume"},
+    {"info {in}/good.nrrd --ranks 2 --path -", "stdin"},
+    {"info {in}/good.nrrd --tf-out {out}/x.json", "--tf-out"},
+    {"info {in}/truncated.nrrd", "truncated.nrrd", true},
+    {"compare {in}/good.nrrd", "b is required"},
+    {"compare {in}/missing.png {in}/missing.png", "missing.png", true},
+    {"compare {in}/letter.txt {in}/letter.txt", "letter.txt"},
+    {"compare {in}/letter.txt {in}/letter.txt --fail-above -1", "--fail-above"},
+    {"compare {in}/letter.txt {in}/letter.txt --diff-scale 2", "no effect"},
+    {"synth --list ball", "--list and name"},
+    {"synth --list -o {out}/x.nrrd", "--list and --output"},
+    {"synth nonsense -o {out}/x.nrrd", "nonsense"},
+    {"synth ball", "-o FILE"},
+    {"synth -o {out}/x.nrrd", "NAME"},
+    {"synth ball -o {out}/x.xyz", "x.xyz"},
+    {"synth ball -o {out}/missing/x.nrrd", "no folder"},
+    {"synth ball -o {out}/x.nrrd --dims 100000", "KiB, but the disk has"},
 };
 
 std::vector<Case> all_cases() {
@@ -252,10 +280,19 @@ std::vector<Case> all_cases() {
   return all;
 }
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
-    text.replace(at, what.size(), by);
-  return text;
+Words words_of(const Case& c, const std::string& in, const std::string& out) {
+  Words words;
+  for (std::string word : split(c.words)) {
+    if (word == "+") {
+      words = {"render", in + "/good.nrrd", "-o", out + "/x.png"};
+      continue;
+    }
+    if (word == "''") word.clear();
+    for (const auto& [name, folder] : {std::pair{std::string("{in}"), in}, {"{out}", out}})
+      if (const auto at = word.find(name); at != std::string::npos) word.replace(at, name.size(), folder);
+    words.push_back(word);
+  }
+  return words;
 }
 
 /// True within two seconds without the launcher's own time, which grows with the machine's load.
@@ -265,20 +302,8 @@ bool ended_soon(const Ended& ended, int ranks) {
 
 void check_case(const Case& c, const Inputs& inputs, int ranks) {
   const TemporaryFolder out;
-  std::vector<std::string> arguments;
-  std::string command;
-  for (const auto& argument : c.arguments) {
-    const auto add = [&](const std::string& a) {
-      arguments.push_back(replaced(replaced(a, "{in}", fs::path(inputs / ".").parent_path().string()),
-                                   "{out}", out.path().string()));
-      command += " " + a;
-    };
-    if (argument == "+")
-      for (const char* a : {"render", "{in}/good.nrrd", "-o", "{out}/x.png"}) add(a);
-    else
-      add(argument);
-  }
-  INFO("ringsplat" << command << " on " << ranks << " ranks");
+  const Words arguments = words_of(c, fs::path(inputs / ".").parent_path().string(), out.path().string());
+  INFO("ringsplat " << c.words << " on " << ranks << " ranks");
   // The best of a few, as the machine may be busy with other work.
   Ended ended;
   bool soon = false;
@@ -316,11 +341,13 @@ TEST_CASE("bad input is refused in one line on all ranks", "[mpi]") {
 TEST_CASE("options that do not fit the launcher's ranks are refused", "[mpi]") {
   const Inputs inputs;
   const std::vector<Case> wrong{
-      {{"+", "--gps", "4", "--renderers", "2"}, "need 6, but the job has 3"},
-      {{"+", "--gps", "3"}, "need 4, but the job has 3"},
-      {{"+", "--gps", "2", "--renderers", "2", "--roles", "colocated"}, "need 2, but the job has 3"},
-      {{"+", "--transport", "loopback"}, "the launcher started 3"},
-      {{"+", "--shuffle"}, "loopback"},
+      {"+ --gps 4 --renderers 2", "need 6, but the job has 3"},
+      {"+ --gps 3", "need 4, but the job has 3"},
+      {"+ --gps 2 --renderers 2 --roles colocated", "need 2, but the job has 3"},
+      {"+ --transport loopback", "the launcher started 3"},
+      {"+ --shuffle", "loopback"},
+      {"+ --gps auto --renderers 7", "3 ranks cannot be given such roles"},
+      {"+ --renderers auto --topology mesh --mesh 2x1", "has no effect in a mesh"},
   };
   for (const auto& c : wrong) check_case(c, inputs, 3);
 }

@@ -212,25 +212,3 @@ TEST_CASE("a calibration's key holds all that its measurements depend on") {
   later.reference.shown.camera.azimuth = 77;
   CHECK(later.key() == key);
 }
-
-TEST_CASE("the budget that a hint allows is kept", "[mpi]") {
-  const app_test::TemporaryFolder folder;
-  setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1);
-  const std::string volume = folder / "volume.nrrd";
-  REQUIRE(app_test::run_program({"synth", "gaussians", "--dims", "12x12x12", "-o", volume}).code == 0);
-  const auto render = [&](const std::string& budget) {
-    return app_test::run_program({"render", volume, "-o", folder / "x.exr", "--size", "48", "--tf", "grey",
-                                  "--shading", "none", "--quality", "paper", "--precision", "u8",
-                                  "--max-error", budget});
-  };
-  const auto refused = render("1e-9");
-  REQUIRE(refused.code == 2);
-  const std::string allow = "allow --max-error ";
-  const auto at = refused.err.find(allow);
-  REQUIRE(at != std::string::npos);
-  const auto end = refused.err.find_first_not_of("0123456789.e-", at + allow.size());
-  const std::string budget = refused.err.substr(at + allow.size(), end - at - allow.size());
-  INFO(refused.err << ", so " << budget);
-  CHECK(render(budget).code == 0);
-  unsetenv("XDG_CACHE_HOME");
-}

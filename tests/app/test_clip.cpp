@@ -1,7 +1,7 @@
 // --clip: what people type, and the program itself, in one process and on ranks.
 #include <nlohmann/json.hpp>
 
-#include "app/succeeded.hpp"
+#include "app/workshop.hpp"
 #include "formats/npy.hpp"
 #include "images/image_io.hpp"
 #include "options/option_values.hpp"
@@ -29,31 +29,20 @@ std::string refusal(const std::string& text) {
   return message_of([&] { static_cast<void>(box_of(text)); });
 }
 
-struct Files {
-  TemporaryFolder folder;
-  std::string volume = folder / "jack.nrrd", picture = folder / "x.exr";
-  Files() { REQUIRE(run_program({"synth", "jack", "-o", volume, "--dims", "40x36x44"}).code == 0); }
-  std::vector<std::string> render(std::vector<std::string> more) const {
-    more.insert(more.begin(), {"render", volume, "-o", picture, "--size", "96x80", "--tf", "grey",
-                               "--azimuth", "30", "--elevation", "20", "--clip", "5:31,3:36,7:40"});
-    return more;
-  }
-  /// Draws alone and on three layouts of ranks; returns the file of the one picture.
-  std::string same_on_ranks(const std::vector<std::string>& more) const {
-    std::string alone = folder / "alone.exr";
-    REQUIRE(run_program(render(more)).code == 0);
-    fs::rename(picture, alone);
-    const auto same_on = [&](int ranks, std::vector<std::string> layout) {
-      layout.insert(layout.end(), more.begin(), more.end());
-      succeeded(run_program(render(layout), ranks));
-      CHECK(run_program({"compare", picture, alone, "--fail-above", "0"}).code == 0);
-    };
-    same_on(5, {"--gps", "3", "--renderers", "2"});
-    same_on(3, {"--roles", "colocated"});
-    same_on(6, {"--topology", "mesh", "--mesh", "2x2", "--renderers", "2"});
-    return alone;
+struct Files : Workshop {
+  std::string picture = *this / "x.exr", alone = *this / "alone.exr";
+  Files()
+      : Workshop("jack", "40x36x44",
+                 {"--size", "96x80", "--tf", "grey", "--azimuth", "30", "--elevation", "20"}) {}
+  /// Draws alone and on ranks.
+  void check_same_on(int ranks, const Words& layout, const Words& more) const {
+    render("alone.exr", more);
+    render("x.exr", joined(layout, more), ranks);
+    CHECK(same_pictures(picture, alone));
   }
 };
+
+const Words boxed{"--clip", "5:31,3:36,7:40"};
 
 }  // namespace
 
@@ -97,28 +86,27 @@ TEST_CASE("the part of a clip box that is wrong is named, and what is possible")
 
 TEST_CASE("--clip draws the same bits on ranks, in a ring and in a mesh, with both engines", "[mpi]") {
   const Files files;
-  for (const std::string engine : {"splats", "sheets"}) {
-    INFO(engine);
-    const std::string clipped = files.same_on_ranks({"--engine", engine});
-    REQUIRE(run_program({"render", files.volume, "-o", files.picture, "--size", "96x80", "--tf", "grey",
-                         "--azimuth", "30", "--elevation", "20", "--engine", engine})
-                .code == 0);
-    CHECK(run_program({"compare", files.picture, clipped, "--fail-above", "1"}).code == 1);
+  const std::vector<std::pair<Words, Words>> cases{
+      {{"--engine", "splats"}, {"--topology", "mesh", "--mesh", "2x1", "--renderers", "1"}},
+      {{"--engine", "sheets"}, {"--gps", "2", "--renderers", "1"}}};
+  for (const auto& [engine, layout] : cases) {
+    INFO(engine.back());
+    files.check_same_on(3, layout, joined(boxed, engine));
+    files.render("x.exr", engine);
+    CHECK(run_program({"compare", files.picture, files.alone, "--fail-above", "1"}).code == 1);
   }
 }
 
 TEST_CASE("a picture with --clip is its method's and near the field's truth of the same box") {
   const Files files;
+  const std::string truth = files / "truth.exr";
   for (const std::string engine : {"splats", "sheets"}) {
-    const std::string truth = files.folder / "truth.exr";
-    REQUIRE(run_program(files.render({"--engine", engine})).code == 0);
+    files.render("x.exr", joined(boxed, {"--engine", engine}));
     for (const auto& [kind, bound] : {std::pair{"method", "0.6"}, {"field", "9"}}) {
-      std::vector<std::string> reference = files.render({"--engine", engine, "--truth", kind});
+      Words reference = files.words("truth.exr", joined(boxed, {"--engine", engine, "--truth", kind}));
       reference[0] = "reference";
-      reference[3] = truth;
-      const Ended ended = run_program(reference);
-      INFO(engine << ' ' << kind << ended.err);
-      REQUIRE(ended.code == 0);
+      INFO(engine << ' ' << kind);
+      succeeded(run_program(reference));
       const Ended compared = run_program({"compare", files.picture, truth, "--fail-above", bound});
       INFO(compared.out);
       CHECK(compared.code == 0);
@@ -128,10 +116,16 @@ TEST_CASE("a picture with --clip is its method's and near the field's truth of t
 
 TEST_CASE("--clip-plane draws the same bits on ranks, in a ring and in a mesh", "[mpi]") {
   const Files files;
-  for (const char* const projection : {"orthographic", "perspective"}) {
+  const std::vector<std::pair<std::string, Words>> cases{
+      {"orthographic", {"--topology", "mesh", "--mesh", "2x1", "--renderers", "1"}},
+      {"perspective", {"--roles", "colocated"}}};
+  for (const auto& [projection, layout] : cases) {
     INFO(projection);
-    files.same_on_ranks({"--clip-plane", "0.4,1,-0.3,-2:-1,0.5,0.2,-9", "--projection", projection});
+    files.check_same_on(3, layout,
+                        {"--clip-plane", "0.4,1,-0.3,-2:-1,0.5,0.2,-9", "--projection", projection});
   }
+  CHECK(says(files.render("x.exr", {"--clip-plane", "1,0,0,500"}).err,
+             "clip planes leave nothing of the volume"));
 }
 
 TEST_CASE("an oblique slice has the interpolated values of its plane") {
@@ -158,59 +152,30 @@ TEST_CASE("an oblique slice has the interpolated values of its plane") {
     sum += image.rgba[4 * at];
   }
   CHECK(sum / 4 == Approx(4 * there).margin(0.01));
-  CHECK(says(run_program({"render", volume, "-o", picture, "--slice", "plane:1,1,0"}).err,
-             "--slice plane: '1,1,0' is no plane"));
-  CHECK(says(run_program({"render", volume, "-o", picture, "--clip-plane", "1,0,0,500"}).err,
-             "clip planes leave nothing of the volume"));
-  CHECK(says(
-      run_program({"render", volume, "-o", picture, "--clip-plane", "1,0,0,0", "--quality", "paper"}).err,
-      "--clip-plane has no effect on splats"));
 }
 
 TEST_CASE("info --clip tells what is in the part") {
   const Files files;
   const Ended ended =
-      succeeded(run_program({"info", files.volume, "--clip", "15:25,10:20,0:40mm", "--json"}));
+      succeeded(run_program({"info", files.volume(), "--clip", "15:25,10:20,0:40mm", "--json"}));
   const json part = json::parse(ended.out);
   CHECK(part["dims"] == json::array({10, 10, 40}));
   CHECK(part["clip"] == json::array({{15, 25}, {10, 20}, {0, 40}}));
   CHECK(part["finite"] == 4000);
-  const json whole = json::parse(run_program({"info", files.volume, "--json"}).out);
+  const json whole = json::parse(run_program({"info", files.volume(), "--json"}).out);
   CHECK_FALSE(whole.contains("clip"));
   CHECK(part["slice_memory_of_a_gp"] == whole["slice_memory_of_a_gp"]);
   std::uint64_t counted = 0;
   for (const std::uint64_t count : part["histogram"]["counts"]) counted += count;
   CHECK(counted == 4000);
-  CHECK(says(run_program({"info", files.volume, "--clip", ":,10:20,"}).out,
+  CHECK(says(run_program({"info", files.volume(), "--clip", ":,10:20,"}).out,
              "clip       0:40,10:20,0:44 of 40 x 36 x 44"));
   const Ended predicted = succeeded(run_program(
-      {"info", files.volume, "--clip", "3:37,9:20,11:40", "--ranks", "3", "--size", "64", "--json"}));
+      {"info", files.volume(), "--clip", "3:37,9:20,11:40", "--ranks", "3", "--size", "64", "--json"}));
   CHECK(json::parse(predicted.out)["prediction"]["visible_voxels"] < 34 * 11 * 29 + 1);
-}
-
-TEST_CASE("a clip box that is none of the volume's is refused before a voxel is read", "[mpi]") {
-  const Files files;
-  for (const int ranks : {0, 3}) {
-    const Ended ended =
-        run_program({"render", files.volume, "-o", files.picture, "--clip", "0:40,0:37,0:44"}, ranks);
-    CHECK(ended.code == 2);
-    CHECK(says(ended.err, "the y part, '0:37', does not lie within the volume"));
-    CHECK(says(ended.err, "it has voxels 0:36 there"));
-    CHECK_FALSE(fs::exists(files.picture));
-  }
-  for (const char* command : {"info", "reference"}) {
-    std::vector<std::string> arguments{command, files.volume, "--clip", "7:7,,"};
-    if (command == std::string("reference")) arguments.insert(arguments.end(), {"-o", files.picture});
-    const Ended ended = run_program(arguments);
-    CHECK(ended.code == 2);
-    CHECK(says(ended.err, "the x part, '7:7', has no voxel"));
-  }
 }
 
 TEST_CASE("a budget knows the clip box", "[mpi]") {
   const Files files;
-  const Ended budget =
-      run_program(files.render({"--max-error", "30", "--error", "field", "--error-pixels", "200"}));
-  INFO(budget.err);
-  CHECK(budget.code == 0);
+  files.render("x.exr", joined(boxed, {"--max-error", "30", "--error", "field", "--error-pixels", "200"}));
 }

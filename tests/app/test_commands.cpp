@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "app/succeeded.hpp"
+#include "app/workshop.hpp"
 #include "formats/files.hpp"
 #include "images/image_io.hpp"
 #include "support/catch.hpp"
@@ -13,25 +13,11 @@ using nlohmann::json;
 
 namespace {
 
-/// A small volume, and a run that must succeed.
-class Workshop {
- public:
-  Workshop() { must({"synth", "shell", "-o", volume(), "--dims", "24x20x16", "--spacing", "1x1.5x1"}); }
-  std::string volume() const { return folder_ / "shell.nrrd"; }
-  std::string operator/(const std::string& name) const { return folder_ / name; }
-  const fs::path& path() const { return folder_.path(); }
-  Ended must(const std::vector<std::string>& arguments, int ranks = 0) const {
-    return succeeded(run_program(arguments, ranks));
-  }
-  Ended render(const std::string& name, std::vector<std::string> more = {}, int ranks = 0) const {
-    more.insert(more.begin(),
-                {"render", volume(), "-o", folder_ / name, "--size", "96x64", "--region", "32"});
-    return must(more, ranks);
-  }
-
- private:
-  TemporaryFolder folder_;
+struct Shell : Workshop {
+  Shell() : Workshop("shell", "24x20x16", {"--size", "96x64", "--region", "32"}, {"--spacing", "1x1.5x1"}) {}
 };
+
+Ended must(const Words& words, int ranks = 0) { return succeeded(run_program(words, ranks)); }
 
 double opaque_part(const Image& image) {
   double sum = 0;
@@ -42,19 +28,19 @@ double opaque_part(const Image& image) {
 }  // namespace
 
 TEST_CASE("help and version go to stdout", "[mpi]") {
-  const Workshop w;
-  CHECK_THAT(w.must({"--version"}).out, Catch::Matchers::Contains("ringsplat "));
-  const std::string help = w.must({"render", "--help"}).out;
+  const Shell w;
+  CHECK_THAT(must({"--version"}).out, Catch::Matchers::Contains("ringsplat "));
+  const std::string help = must({"render", "--help"}).out;
   for (const char* part : {"--gps", "--tf", "--orbit", "512x512", "Examples:", "ringsplat render"})
     CHECK_THAT(help, Catch::Matchers::Contains(part));
-  CHECK_THAT(w.must({"--help"}).out, Catch::Matchers::Contains("Exit codes"));
-  CHECK(lines_with(w.must({"--help"}, 3).out, "Exit codes").size() == 1);
-  CHECK_THAT(w.must({"info", "--presets"}).out, Catch::Matchers::Contains("mr-soft"));
-  CHECK_THAT(w.must({"synth", "--list"}).out, Catch::Matchers::Contains("shell"));
+  CHECK_THAT(must({"--help"}).out, Catch::Matchers::Contains("Exit codes"));
+  CHECK(lines_with(must({"--help"}, 3).out, "Exit codes").size() == 1);
+  CHECK_THAT(must({"info", "--presets"}).out, Catch::Matchers::Contains("mr-soft"));
+  CHECK_THAT(must({"synth", "--list"}).out, Catch::Matchers::Contains("shell"));
 }
 
 TEST_CASE("render writes a picture with something in it and says so", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   const Ended ended = w.render("x.exr");
   CHECK(ended.err.empty());
   CHECK_THAT(ended.out, Catch::Matchers::Contains("x.exr") && Catch::Matchers::Contains("visible voxels") &&
@@ -66,17 +52,15 @@ TEST_CASE("render writes a picture with something in it and says so", "[mpi]") {
   CHECK(opaque_part(picture.image) < 0.9);
   const json settings = json::parse(picture.settings);
   CHECK(settings.at("size") == json{96, 64});
-  CHECK(settings.at("volume") == "shell.nrrd");
+  CHECK(settings.at("volume") == "volume.nrrd");
 }
 
 TEST_CASE("ranks, placement, transport and message order do not change a bit", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   w.render("one.exr", {"--azimuth", "30"});
   const std::string one = read_text(w / "one.exr");
   const auto same = [&](const std::vector<std::string>& more, int ranks) {
-    std::vector<std::string> arguments{"--azimuth", "30"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    w.render("other.exr", arguments, ranks);
+    w.render("other.exr", joined({"--azimuth", "30"}, more), ranks);
     const bool same_bytes = read_text(w / "other.exr") == one;
     CHECK(same_bytes);
   };
@@ -84,22 +68,19 @@ TEST_CASE("ranks, placement, transport and message order do not change a bit", "
   same({"--roles", "colocated", "--gps", "2", "--renderers", "2", "--axes", "all"}, 0);
   same({"--transport", "mpi"}, 0);
   same({}, 1);
-  same({}, 2);
-  same({}, 5);
   same({"--gps", "2"}, 3);
-  same({"--roles", "colocated"}, 3);
-  same({"--roles", "colocated", "--look-ahead", "3", "--send-ahead", "4"}, 7);
+  same({"--roles", "colocated", "--look-ahead", "3", "--send-ahead", "4"}, 5);
   same({"--bundle", "5", "--gps", "2"}, 3);
   same({"--bundle", "1000", "--gps", "3", "--renderers", "2", "--shuffle"}, 0);
 }
 
 TEST_CASE("equal pictures are equal files, on any ranks and however they are divided", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   for (const std::string name : {"x.png", "x.exr"}) {
     std::string one;
-    for (const int ranks : {0, 2, 3}) {
+    for (const int ranks : {0, 3}) {
       const std::string region = std::to_string(16 + 8 * ranks);
-      w.must({"render", w.volume(), "-o", w / name, "--size", "96x64", "--region", region}, ranks);
+      must({"render", w.volume(), "-o", w / name, "--size", "96x64", "--region", region}, ranks);
       if (ranks == 0) one = read_text(w / name);
       INFO(name << " on " << ranks << " ranks");
       const bool same = read_text(w / name) == one;
@@ -109,7 +90,7 @@ TEST_CASE("equal pictures are equal files, on any ranks and however they are div
 }
 
 TEST_CASE("an orbit makes numbered frames and a summary", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   const Ended ended = w.render(
       "turn.png", {"--orbit", "3", "--quality", "paper", "--gps", "2", "--stats", w / "turn.json"}, 3);
   for (const char* name : {"turn-0000.png", "turn-0001.png", "turn-0002.png"}) CHECK(fs::exists(w / name));
@@ -140,38 +121,31 @@ TEST_CASE("an orbit makes numbered frames and a summary", "[mpi]") {
 }
 
 TEST_CASE("an orbit's files and lines are those of one process, in order", "[mpi]") {
-  const Workshop w;
-  for (const char* ending : {"png", "exr"}) {
-    const std::string name = std::string("turn.") + ending;
-    const auto frame = [&](int k) { return w / ("turn-000" + std::to_string(k) + "." + ending); };
-    w.render(name, {"--orbit", "9"});
-    std::vector<std::string> alone;
-    for (int k = 0; k < 9; ++k) alone.push_back(read_text(frame(k)));
-    const Ended ended = w.render(
-        name, {"--orbit", "9", "--gps", "2", "--stats", w / "turn.json", "--frames-in-flight", "4"}, 3);
-    const json stats = json::parse(read_text(w / "turn.json"));
-    const auto lines = lines_with(ended.out, "visible voxels");
-    REQUIRE(lines.size() == 9);
-    REQUIRE(stats.size() == 9);
-    for (int k = 0; k < 9; ++k) {
-      const auto at = std::size_t(k);
-      CHECK_THAT(lines[at], Catch::Matchers::StartsWith(frame(k)));
-      CHECK(stats[at].at("file") == frame(k));
-      const bool same_bytes = read_text(frame(k)) == alone[at];
-      CHECK(same_bytes);
-    }
+  const Shell w;
+  const auto frame = [&](int k) { return w / ("turn-000" + std::to_string(k) + ".png"); };
+  w.render("turn.png", {"--orbit", "9"});
+  std::vector<std::string> alone;
+  for (int k = 0; k < 9; ++k) alone.push_back(read_text(frame(k)));
+  const Ended ended = w.render(
+      "turn.png", {"--orbit", "9", "--gps", "2", "--stats", w / "turn.json", "--frames-in-flight", "4"}, 3);
+  const json stats = json::parse(read_text(w / "turn.json"));
+  const auto lines = lines_with(ended.out, "visible voxels");
+  REQUIRE(lines.size() == 9);
+  REQUIRE(stats.size() == 9);
+  for (int k = 0; k < 9; ++k) {
+    const auto at = std::size_t(k);
+    CHECK_THAT(lines[at], Catch::Matchers::StartsWith(frame(k)));
+    CHECK(stats[at].at("file") == frame(k));
+    const bool same_bytes = read_text(frame(k)) == alone[at];
+    CHECK(same_bytes);
   }
 }
 
 TEST_CASE("only the slice sets that the views traverse are kept") {
-  const Workshop w;
-  const auto kept = [&](std::vector<std::string> more) {
-    more.insert(more.end(), {"--stats", w / "s.jsonl"});
-    w.render("x.png", more);
-    return json::parse(read_text(w / "s.jsonl").substr(0, read_text(w / "s.jsonl").find('\n')))
-        .at("memory")
-        .at("kept_axes")
-        .get<std::string>();
+  const Shell w;
+  const auto kept = [&](const Words& more) {
+    w.render("x.png", joined(more, {"--stats", w / "s.json"}));
+    return json::parse(read_text(w / "s.json")).at(0).at("memory").at("kept_axes").get<std::string>();
   };
   CHECK(kept({"--elevation", "90"}) == "z");
   CHECK(kept({"--azimuth", "90"}) == "x");
@@ -180,7 +154,7 @@ TEST_CASE("only the slice sets that the views traverse are kept") {
 }
 
 TEST_CASE("a path renders its lines", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   write_text(w / "path.csv", "0 0\n90 0\n");
   w.render("walk.exr", {"--path", w / "path.csv"});
   w.render("side.exr", {"--azimuth", "90", "--fit", "sphere"});
@@ -188,14 +162,14 @@ TEST_CASE("a path renders its lines", "[mpi]") {
 }
 
 TEST_CASE("the transfer function used can be written and read back", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   w.render("a.exr", {"--tf-out", w / "tf.json"});
   w.render("b.exr", {"--tf", w / "tf.json"});
   CHECK(read_image(w / "a.exr").image == read_image(w / "b.exr").image);
 }
 
 TEST_CASE("a configuration file gives options and the command line overrides them", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   write_text(w / "run.toml",
              "gps = 2\nrenderers = 2\nzoom = 2.0\nlight = [0.0, 0.0, 1.0]\nno-opacity-correction = true\n");
   w.render("config.exr", {"--config", w / "run.toml", "--zoom", "1.5", "--stats", w / "s.json"});
@@ -207,7 +181,7 @@ TEST_CASE("a configuration file gives options and the command line overrides the
 }
 
 TEST_CASE("a picture with nothing in it is the background, takes no payload and says why", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   const auto opaque_between = [&](int from, int to) {
     const std::string middle = std::to_string((from + to) / 2), low = std::to_string(from),
                       high = std::to_string(to);
@@ -230,10 +204,10 @@ TEST_CASE("a picture with nothing in it is the background, takes no payload and 
     for (const char* sum : {"payloads_sent", "payload_bytes_sent", "splats_sent", "tiles", "tile_bytes"})
       CHECK(total.at(sum) == 0);
   };
-  const std::vector<std::string> red{"--background", "1,0,0", "--stats", w / "s.json", "--quality", "paper"};
-  auto with_tf = red, outside = red;
-  with_tf.insert(with_tf.end(), {"--tf", w / "tf.json"});
-  outside.insert(outside.end(), {"--matrix", "1", "0", "0", "1e4", "0", "1", "0", "0", "0", "0", "1", "0"});
+  const Words red{"--background", "1,0,0", "--stats", w / "s.json", "--quality", "paper"};
+  const Words with_tf = joined(red, {"--tf", w / "tf.json"}),
+              outside =
+                  joined(red, {"--matrix", "1", "0", "0", "1e4", "0", "1", "0", "0", "0", "0", "1", "0"});
   for (const int ranks : {0, 3}) {
     opaque_between(300, 400);
     check_empty(with_tf, "is opaque from 300 to 400, but the volume's values run from 0 to 255", ranks);
@@ -244,7 +218,7 @@ TEST_CASE("a picture with nothing in it is the background, takes no payload and 
 }
 
 TEST_CASE("compare tells equal pictures from different ones", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   w.render("a.png");
   w.render("b.png", {"--azimuth", "5"});
   const Ended equal = run_program({"compare", w / "a.png", w / "a.png", "--fail-above", "0"});
@@ -273,19 +247,19 @@ TEST_CASE("compare tells equal pictures from different ones", "[mpi]") {
   CHECK(run_program({"compare", w / "a.exr", w / "a.png", "--fail-above", "200"}, 2).code == 0);
   // An .exr has the scaled difference with its sign, and alpha 1.
   w.render("b.exr", {"--azimuth", "5"});
-  w.must({"compare", w / "a.exr", w / "b.exr", "--diff", w / "d.exr", "--diff-scale", "2"});
+  must({"compare", w / "a.exr", w / "b.exr", "--diff", w / "d.exr", "--diff-scale", "2"});
   const Image a = read_image(w / "a.exr").image, b = read_image(w / "b.exr").image,
               d = read_image(w / "d.exr").image;
   for (std::size_t at = 0; at < d.rgba.size(); ++at)
     if (d.rgba[at] != (at % 4 == 3 ? 1.0F : float(2 * (double(a.rgba[at]) - double(b.rgba[at])))))
       FAIL_CHECK("value " << at);
-  w.must({"render", w.volume(), "-o", w / "small.png", "--size", "32"});
+  must({"render", w.volume(), "-o", w / "small.png", "--size", "32"});
   CHECK(run_program({"compare", w / "a.png", w / "small.png"}).code == 2);
 }
 
 TEST_CASE("info knows the volume") {
-  const Workshop w;
-  const json j = json::parse(w.must({"info", w.volume(), "--json", "--gps", "3"}).out);
+  const Shell w;
+  const json j = json::parse(must({"info", w.volume(), "--json", "--gps", "3"}).out);
   CHECK(j.at("dims") == json{24, 20, 16});
   CHECK(j.at("type") == "uint8");
   CHECK(j.at("spacing") == json{1.0, 1.5, 1.0});
@@ -298,11 +272,11 @@ TEST_CASE("info knows the volume") {
   CHECK(memory.at("all_axes_unlit") == 8 * 20 * 16 + 7 * 24 * 16 + 6 * 24 * 20);
   CHECK(memory.at("all_axes_lit") == 3 * (8 * 20 * 16 + 7 * 24 * 16 + 6 * 24 * 20));
   // In bundles of five: 10 of 24 slices, 10 of 20 and 6 of 16.
-  const json bundles = json::parse(w.must({"info", w.volume(), "--json", "--gps", "3", "--bundle", "5"}).out);
+  const json bundles = json::parse(must({"info", w.volume(), "--json", "--gps", "3", "--bundle", "5"}).out);
   CHECK(bundles.at("slice_memory_of_a_gp").at(0).at("all_axes_unlit") ==
         10 * 20 * 16 + 10 * 24 * 16 + 6 * 24 * 20);
-  CHECK_THAT(w.must({"info", w.volume(), "--bundle", "5"}).out, Catch::Matchers::Contains("in bundles of 5"));
-  const std::string text = w.must({"info", w.volume()}).out;
+  CHECK_THAT(must({"info", w.volume(), "--bundle", "5"}).out, Catch::Matchers::Contains("in bundles of 5"));
+  const std::string text = must({"info", w.volume()}).out;
   for (const char* part : {"24 x 20 x 16", "histogram", "--gps", "range"})
     CHECK_THAT(text, Catch::Matchers::Contains(part));
 }
@@ -329,14 +303,13 @@ TEST_CASE("info and render warn once of what is wrong with a volume", "[mpi]") {
     slice.position = "0\\0\\" + std::to_string(z);
     write_text(folder / ("series/" + std::to_string(z) + ".dcm"), slice.bytes());
   }
-  for (const auto& arguments :
-       std::vector<std::vector<std::string>>{{"info", folder / "series"},
-                                             {"info", folder / "series", "--ranks", "2"},
-                                             {"render", folder / "series", "-o", folder / "x.png", "--size",
-                                              "32", "--error", "method", "--tf", "grey"}}) {
-    const Ended ended = run_program(arguments);
+  const std::string series = folder / "series";
+  for (const Words& words :
+       {Words{"info", series},
+        {"info", series, "--ranks", "2"},
+        {"render", series, "-o", folder / "x.png", "--size", "32", "--error", "method", "--tf", "grey"}}) {
+    const Ended ended = succeeded(run_program(words));
     INFO(ended.err);
-    CHECK(ended.code == 0);
     CHECK(lines_with(ended.err, "2 slices are missing").size() == 1);
   }
 }
@@ -376,16 +349,16 @@ TEST_CASE("zero is never printed with a minus sign", "[mpi]") {
   INFO(text.out << json_text.out);
   CHECK_FALSE(has_minus_zero(text.out));
   CHECK_FALSE(has_minus_zero(json_text.out));
-  const Workshop w;
+  const Shell w;
   w.render("x.png", {"--elevation", "-0.0", "--stats", w / "s.json"});
   CHECK_FALSE(has_minus_zero(read_text(w / "s.json")));
 }
 
 TEST_CASE("a file name that is not UTF-8 goes into statistics and pictures with its bytes replaced") {
-  const Workshop w;
+  const Shell w;
   const std::string volume = w / "sh\xff.nrrd";
   fs::copy_file(w.volume(), volume);
-  w.must({"render", volume, "-o", w / "x.png", "--size", "32", "--stats", w / "s.json"});
+  must({"render", volume, "-o", w / "x.png", "--size", "32", "--stats", w / "s.json"});
   CHECK_THAT(json::parse(read_text(w / "s.json")).at(0).at("volume").get<std::string>(),
              Catch::Matchers::EndsWith("sh\xef\xbf\xbd.nrrd"));
   CHECK(json::parse(read_image(w / "x.png").settings).at("volume") == "sh\xef\xbf\xbd.nrrd");
@@ -393,13 +366,13 @@ TEST_CASE("a file name that is not UTF-8 goes into statistics and pictures with 
 }
 
 TEST_CASE("no run leaves a file that was not asked for", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   w.render("x.png", {"--stats", w / "s.json", "--tf-out", w / "t.json"}, 2);
   CHECK(files_in(w.path()) == 4);
 }
 
 TEST_CASE("a verbose run says what every rank is there for", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   const Ended ended = w.render("x.png", {"--gps", "2", "--verbose"}, 3);
   for (const char* part :
        {"[rank 0]: debug: GP 0 keeps", "[rank 1]: debug: GP 1 keeps", "[rank 2]: debug: Renderer 0 is here"})
@@ -407,7 +380,7 @@ TEST_CASE("a verbose run says what every rank is there for", "[mpi]") {
 }
 
 TEST_CASE("a frame that cannot be written ends the run on all ranks", "[mpi]") {
-  const Workshop w;
+  const Shell w;
   fs::create_directories(w / "turn-0001.png/in_the_way");
   for (const int ranks : {0, 3}) {
     const Ended ended =

@@ -1,5 +1,5 @@
 // -o FILM.mp4: what the program gives ffmpeg, and what it says where that fails.
-#include "app/succeeded.hpp"
+#include "app/workshop.hpp"
 #include "base/child_program.hpp"
 #include "images/image_io.hpp"
 #include "support/catch.hpp"

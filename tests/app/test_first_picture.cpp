@@ -2,7 +2,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/succeeded.hpp"
+#include "app/workshop.hpp"
 #include "images/image_io.hpp"
 #include "options/transfer_function_option.hpp"
 #include "ringsplat/base/error.hpp"
@@ -54,9 +54,9 @@ struct Files {
     }
     write_volume(labels, numbers);
   }
-  Ended render(const std::string& volume, std::vector<std::string> more = {}, int ranks = 0) const {
-    more.insert(more.begin(), {"render", volume, "-o", picture, "--size", "64", "--shading", "none"});
-    return run_program(more, ranks);
+  Ended render(const std::string& volume, const Words& more = {}, int ranks = 0) const {
+    return run_program(joined({"render", volume, "-o", picture, "--size", "64", "--shading", "none"}, more),
+                       ranks);
   }
   Image drawn() const { return read_image(picture).image; }
 };
@@ -107,12 +107,12 @@ TEST_CASE("an outlier changes neither what is seen nor the histogram, and one li
   CHECK(lines_with(text, "above").size() == 1);
 }
 
-TEST_CASE("the chosen transfer function and its picture are the same on 1, 2, 3 and 5 ranks", "[mpi]") {
+TEST_CASE("the chosen transfer function and its picture are the same on any ranks", "[mpi]") {
   const Files files;
   const std::string function = files.folder / "tf.json";
   std::string first;
   std::optional<Image> picture;
-  for (const int ranks : {1, 2, 3, 5}) {
+  for (const int ranks : {0, 2, 5}) {
     REQUIRE(files.render(files.odd, {"--tf-out", function}, ranks).code == 0);
     if (first.empty()) first = read_text(function);
     if (!picture) picture = files.drawn();
@@ -157,9 +157,8 @@ TEST_CASE("a nearly empty picture is warned of, a useful one is not", "[mpi]") {
 TEST_CASE("options of colours change the transfer function as they say", "[mpi]") {
   const Files files;
   const std::string function = files.folder / "tf.json";
-  const auto made = [&](std::vector<std::string> options) {
-    options.insert(options.end(), {"--tf-out", function});
-    succeeded(files.render(files.usual, options));
+  const auto made = [&](const Words& options) {
+    succeeded(files.render(files.usual, joined(options, {"--tf-out", function})));
     return read_transfer_function(function);
   };
   const TransferFunction stretched = made({"--tf", "grey", "--range", "50:150"});
@@ -182,25 +181,6 @@ TEST_CASE("options of colours change the transfer function as they say", "[mpi]"
   CHECK_THAT(run_program({"render", "--colours", "list"}).out,
              Catch::Matchers::StartsWith("viridis") && Catch::Matchers::Contains("coolwarm"));
   CHECK_THAT(run_program({"info", "--presets"}).out, Catch::Matchers::Contains("viridis"));
-}
-
-TEST_CASE("options of colours that cannot be are refused", "[mpi]") {
-  const Files files;
-  for (const auto& [options, words] : std::vector<std::pair<std::vector<std::string>, std::string>>{
-           {{"--range", "5"}, "is no window"},
-           {{"--range", "9:5"}, "does not ascend"},
-           {{"--range", "5:inf"}, "is not finite"},
-           {{"--opacity", "0"}, "no number above 0"},
-           {{"--opacity=-1"}, "no number above 0"},
-           {{"--colours", "virids"}, "no colour map"},
-           {{"--log", "--range", "0:5"}, "only positive"},
-           {{"--labels", "--log"}, "contradict"},
-           {{"--labels", "--tf", "grey"}, "contradict"}}) {
-    const Ended ended = files.render(files.usual, options);
-    INFO(words << ": " << ended.err);
-    CHECK(ended.code == 2);
-    CHECK_THAT(ended.err, Catch::Matchers::Contains(words));
-  }
 }
 
 TEST_CASE("a map without opacities is shown as a ramp, and told", "[mpi]") {

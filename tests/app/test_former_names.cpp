@@ -1,21 +1,15 @@
 // Options under the names that they had before.
-#include "app/program_runner.hpp"
-#include "command_line/command_line.hpp"
+#include "app/parsed.hpp"
+#include "app/workshop.hpp"
 #include "support/catch.hpp"
-#include "support/temporary_folder.hpp"
 
 using namespace ringsplat::app_test;
 using Catch::Matchers::Contains;
 using ringsplat::app::CommandLine;
-using ringsplat::app::parse_command_line;
 
 namespace {
 
-CommandLine parse(std::vector<std::string> words) {
-  std::vector<const char*> arguments{"ringsplat", "render", "a.nrrd", "-o", "a.png"};
-  for (const auto& word : words) arguments.push_back(word.c_str());
-  return parse_command_line(int(arguments.size()), arguments.data());
-}
+CommandLine parse(const Words& words) { return parsed(joined({"render", "a.nrrd", "-o", "a.png"}, words)); }
 
 int bundle_of(const CommandLine& line) {
   INFO(line.error);

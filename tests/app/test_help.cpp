@@ -1,18 +1,15 @@
 // Each subcommand's help, and that its examples work.
 #include <sstream>
 
-#include "app/program_runner.hpp"
-#include "command_line/command_line.hpp"
+#include "app/parsed.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;
 using Catch::Matchers::Contains;
-using ringsplat::app::CommandLine;
-using ringsplat::app::parse_command_line;
 
 namespace {
 
-/// The command lines below "Examples:", as words, without a launcher's part.
+/// The command lines below "Examples:", as words behind the program's name.
 std::vector<std::vector<std::string>> examples_in(const std::string& help) {
   std::vector<std::vector<std::string>> examples;
   std::istringstream in(help.substr(std::min(help.size(), help.find("Examples:"))));
@@ -21,41 +18,31 @@ std::vector<std::vector<std::string>> examples_in(const std::string& help) {
     if (!line.starts_with("  ") || program == std::string::npos) continue;
     std::istringstream words(line.substr(program));
     examples.emplace_back();
+    words.ignore(std::string("ringsplat").size());
     for (std::string word; words >> word;) examples.back().push_back(word);
   }
   return examples;
-}
-
-CommandLine parse(const std::vector<std::string>& words) {
-  std::vector<const char*> arguments;
-  for (const auto& word : words) arguments.push_back(word.c_str());
-  return parse_command_line(int(arguments.size()), arguments.data());
 }
 
 }  // namespace
 
 TEST_CASE("each subcommand's help has examples of its own, which are right") {
   for (const char* subcommand : {"render", "info", "compare", "reference", "synth"}) {
-    const CommandLine line = parse({"ringsplat", subcommand, "--help"});
-    const auto* said = std::get_if<ringsplat::app::Say>(&line.command);
-    REQUIRE(said != nullptr);
-    const auto examples = examples_in(said->text);
-    INFO(said->text);
+    const std::string help = said({subcommand, "--help"});
+    const auto examples = examples_in(help);
+    INFO(help);
     CHECK(examples.size() >= 2);
     for (const auto& words : examples) {
-      INFO(words.size() << " words: " << words.at(1));
-      CHECK(words.at(1) == subcommand);
-      CHECK(parse(words).error.empty());
+      INFO(words.size() << " words: " << words.at(0));
+      CHECK(words.at(0) == subcommand);
+      CHECK(parsed(words).error.empty());
     }
   }
 }
 
 TEST_CASE("--help of a subcommand with many options fits a screen, and says how to see the rest") {
-  const auto text_of = [](const char* subcommand, const char* flag) {
-    return std::get<ringsplat::app::Say>(parse({"ringsplat", subcommand, flag}).command).text;
-  };
   for (const char* subcommand : {"render", "serve", "info", "reference"}) {
-    const std::string help = text_of(subcommand, "--help"), all = text_of(subcommand, "--help-all");
+    const std::string help = said({subcommand, "--help"}), all = said({subcommand, "--help-all"});
     INFO(help);
     std::istringstream in(help);
     int lines = 0;
@@ -72,14 +59,13 @@ TEST_CASE("--help of a subcommand with many options fits a screen, and says how 
     }
     CHECK(all.size() > help.size());
   }
-  CHECK_THAT(text_of("compare", "--help"), Contains("--diff-scale"));
+  CHECK_THAT(said({"compare", "--help"}), Contains("--diff-scale"));
 }
 
 TEST_CASE("every option that is named as an everyday one is in --help") {
   for (const auto& subcommand : ringsplat::app::subcommands()) {
     std::istringstream names(subcommand.everyday);
-    const std::string help =
-        std::get<ringsplat::app::Say>(parse({"ringsplat", subcommand.name, "--help"}).command).text;
+    const std::string help = said({subcommand.name, "--help"});
     int found = 0, all = 0;
     for (std::string name; names >> name; ++all) found += help.find(name + " ") != std::string::npos;
     CHECK(found == all);
@@ -87,8 +73,7 @@ TEST_CASE("every option that is named as an everyday one is in --help") {
 }
 
 TEST_CASE("the program's own examples are right") {
-  const CommandLine line = parse({"ringsplat", "--help"});
-  const auto examples = examples_in(std::get<ringsplat::app::Say>(line.command).text);
+  const auto examples = examples_in(said({"--help"}));
   CHECK(examples.size() >= 3);
-  for (const auto& words : examples) CHECK(parse(words).error.empty());
+  for (const auto& words : examples) CHECK(parsed(words).error.empty());
 }

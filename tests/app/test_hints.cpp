@@ -1,17 +1,16 @@
 // Hints are run: what a refusal says to do instead works.
 #include <algorithm>
-#include <sstream>
 #include <string>
 #include <vector>
 
-#include "app/program_runner.hpp"
+#include "app/parsed.hpp"
+#include "app/workshop.hpp"
 #include "formats/files.hpp"
 #include "formats/npy.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;
 using Catch::Matchers::Contains;
-using Words = std::vector<std::string>;
 
 namespace {
 
@@ -21,13 +20,10 @@ struct Hint {
 };
 
 Words words_in(const std::string& text, const std::string& folder) {
-  Words words;
-  std::istringstream in(text);
-  for (std::string word; in >> word;) {
+  Words words = split(text);
+  for (std::string& word : words)
     for (auto at = word.find("{}"); at != std::string::npos; at = word.find("{}"))
       word.replace(at, 2, folder);
-    words.push_back(word);
-  }
   return words;
 }
 

@@ -143,16 +143,6 @@ TEST_CASE("pictures that cannot be written or read are refused") {
   CHECK_THROWS_AS(read_image(folder / "x.png"), InputError);
 }
 
-TEST_CASE("the program starts without the libraries that only pictures need", "[mpi]") {
-  const TemporaryFolder folder;
-  REQUIRE(std::system(
-              ("ldd " + app_test::quoted(RINGSPLAT_PROGRAM) + " >" + app_test::quoted(folder / "libraries"))
-                  .c_str()) == 0);
-  const std::string libraries = app_test::read_text(folder / "libraries");
-  CHECK(libraries.find("libmpi") != std::string::npos);
-  CHECK(libraries.find("OpenImageIO") == std::string::npos);
-}
-
 TEST_CASE("A picture in memory has the bytes of its file", "[mpi]") {
   const TemporaryFolder folder;
   for (const std::string ending : {".png", ".exr"}) {

@@ -1,8 +1,8 @@
 // The manual page has all that --help has, in correct roff, and the rules that it lists hold.
 #include <sstream>
 
-#include "app/succeeded.hpp"
-#include "command_line/command_line.hpp"
+#include "app/parsed.hpp"
+#include "app/workshop.hpp"
 #include "options/contradictions.hpp"
 #include "options/option_tables.hpp"
 #include "support/catch.hpp"
@@ -12,15 +12,6 @@ using namespace ringsplat::app;
 using Catch::Matchers::Contains;
 
 namespace {
-
-std::string said(const std::vector<std::string>& words) {
-  std::vector<const char*> arguments{"ringsplat"};
-  for (const auto& word : words) arguments.push_back(word.c_str());
-  const CommandLine line = parse_command_line(int(arguments.size()), arguments.data());
-  INFO(line.error);
-  REQUIRE(std::holds_alternative<Say>(line.command));
-  return std::get<Say>(line.command).text;
-}
 
 std::vector<std::string> lines_of(const std::string& text) {
   std::vector<std::string> lines;

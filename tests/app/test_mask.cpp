@@ -1,5 +1,5 @@
 // --mask: what people type, and the program itself, in one process and on ranks.
-#include "app/program_runner.hpp"
+#include "app/workshop.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
@@ -24,21 +24,12 @@ TEST_CASE("a mask is a file, or a file and labels of it") {
 namespace {
 
 /// A volume, and a segmentation of half its voxels along each axis.
-struct Files {
-  TemporaryFolder folder;
-  std::string volume = folder / "jack.nrrd", large = folder / "ball.nrrd", picture = folder / "x.exr",
-              alone = folder / "alone.exr", whole = folder / "whole.exr";
+struct Files : Workshop {
+  std::string large = *this / "ball.nrrd", picture = *this / "x.exr", alone = *this / "alone.exr",
+              whole = *this / "whole.exr";
 
-  Files() {
-    REQUIRE(run_program({"synth", "jack", "-o", volume, "--dims", "40x36x44"}).code == 0);
-    REQUIRE(run_program({"synth", "ball", "-o", large, "--dims", "20x18x22", "--spacing", "2x2x2"}).code ==
-            0);
-  }
-  void render(const std::string& to, std::vector<std::string> more, int ranks = 0) const {
-    more.insert(more.begin(), {"render", volume, "-o", to, "--size", "96x80", "--tf", "grey"});
-    const Ended ended = run_program(more, ranks);
-    INFO(ended.err);
-    CHECK(ended.code == 0);
+  Files() : Workshop("jack", "40x36x44", {"--size", "96x80", "--tf", "grey"}) {
+    succeeded(run_program({"synth", "ball", "-o", large, "--dims", "20x18x22", "--spacing", "2x2x2"}));
   }
   bool differs(const std::string& other, const char* bound) const {
     return run_program({"compare", picture, other, "--fail-above", bound}).code == 1;
@@ -49,58 +40,43 @@ struct Files {
 
 TEST_CASE("--mask shows what a segmentation covers, with the same bits on ranks", "[mpi]") {
   const Files files;
-  const auto& [folder, volume, large, picture, alone, whole] = files;
-  const auto render = [&](const std::string& to, std::vector<std::string> more, int ranks = 0) {
-    more.insert(more.begin(), {"--azimuth", "30", "--elevation", "20"});
-    files.render(to, more, ranks);
-  };
-  const auto differs = [&](const std::string& other, const char* bound) {
-    return files.differs(other, bound);
-  };
-  render(whole, {});
+  files.render("whole.exr");
   // Where there is nothing else than 0, nothing is taken away.
-  render(picture, {"--mask", volume});
-  CHECK_FALSE(differs(whole, "0"));
-  render(alone, {"--mask", large});
-  render(picture, {"--mask", large}, 3);
-  CHECK_FALSE(differs(alone, "0"));
-  CHECK(differs(whole, "1"));
-  render(picture, {"--mask", large, "--engine", "splats"});
-  CHECK(differs(whole, "1"));
-  render(picture, {"--mask", large + "=1-255"});
-  CHECK_FALSE(differs(alone, "0"));
+  files.render("x.exr", {"--mask", files.volume()});
+  CHECK(same_pictures(files.picture, files.whole));
+  files.render("alone.exr", {"--mask", files.large});
+  files.render("x.exr", {"--mask", files.large}, 3);
+  CHECK(same_pictures(files.picture, files.alone));
+  CHECK(files.differs(files.whole, "1"));
+  files.render("x.exr", {"--mask", files.large, "--engine", "splats"});
+  CHECK(files.differs(files.whole, "1"));
+  files.render("x.exr", {"--mask", files.large + "=1-255"});
+  CHECK(same_pictures(files.picture, files.alone));
 
-  const Ended none = run_program({"info", volume, "--mask", folder / "none.nrrd"});
-  CHECK(none.code == 2);
-  CHECK(says(none.err, "none.nrrd"));
+  check_refused(run_program({"info", files.volume(), "--mask", files / "none.nrrd"}), "none.nrrd");
 }
 
 TEST_CASE("--mask-as tints or outlines what a segmentation covers, with the same bits on ranks", "[mpi]") {
   const Files files;
-  const std::vector<std::vector<std::string>> views{{"--azimuth", "30", "--elevation", "20"},
-                                                    {"--azimuth", "30", "--quality", "draft"},
-                                                    {"--slice", "z=20"}};
-  for (const auto& view : views)
-    for (const char* const as : {"tint", "outline"}) {
-      const auto with = [&](std::vector<std::string> more) {
-        more.insert(more.end(), view.begin(), view.end());
-        return more;
-      };
-      INFO(view.back() << ' ' << as);
-      files.render(files.whole, with({}));
-      files.render(files.alone, with({"--mask", files.large, "--mask-as", as}));
-      files.render(files.picture, with({"--mask", files.large, "--mask-as", as}), 3);
-      CHECK_FALSE(files.differs(files.alone, "0"));
-      CHECK(files.differs(files.whole, "0.5"));
-    }
-  const auto refusal = [&](std::vector<std::string> more) {
-    more.insert(more.begin(), {"render", files.volume, "-o", files.picture, "--mask-as", "tint"});
-    const Ended ended = run_program(more);
-    CHECK(ended.code == 2);
-    return ended.err;
+  const std::vector<std::pair<std::string, Words>> cases{
+      {"tint", {"--azimuth", "30", "--elevation", "20"}},
+      {"outline", {"--azimuth", "30", "--quality", "draft"}},
+      {"tint", {"--slice", "z=20"}},
+      {"outline", {"--slice", "z=20"}}};
+  for (const auto& [as, view] : cases) {
+    INFO(view.back() << ' ' << as);
+    const Words masked = joined(view, {"--mask", files.large, "--mask-as", as});
+    files.render("whole.exr", view);
+    files.render("alone.exr", masked);
+    files.render("x.exr", masked, 3);
+    CHECK(same_pictures(files.picture, files.alone));
+    CHECK(files.differs(files.whole, "0.5"));
+  }
+  const auto refusal = [&](const Words& more) {
+    return run_program(joined({"render", files.volume(), "-o", files.picture, "--mask-as", "tint"}, more));
   };
-  CHECK(says(refusal({}), "name the segmentation by --mask FILE"));
-  CHECK(says(refusal({"--mask", files.large, "--mode", "mip"}), "only light through sheets, and slices"));
-  CHECK(
-      says(refusal({"--mask", files.large, "--slice", "plane:1,1,0,0"}), "an oblique slice shows no labels"));
+  check_refused(refusal({}), "name the segmentation by --mask FILE");
+  check_refused(refusal({"--mask", files.large, "--mode", "mip"}), "only light through sheets, and slices");
+  check_refused(refusal({"--mask", files.large, "--slice", "plane:1,1,0,0"}),
+                "an oblique slice shows no labels");
 }

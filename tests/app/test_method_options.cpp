@@ -1,6 +1,6 @@
 // Which method a command line's frame gets, and which combinations of options are refused.
-#include "app/program_runner.hpp"
-#include "command_line/command_line.hpp"
+#include "app/parsed.hpp"
+#include "app/workshop.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -9,17 +9,8 @@ using namespace ringsplat::app_test;
 
 namespace {
 
-CommandLine parse(std::vector<std::string> words) {
-  words.insert(words.begin(), "ringsplat");
-  std::vector<const char*> arguments;
-  for (const auto& word : words) arguments.push_back(word.c_str());
-  return parse_command_line(int(arguments.size()), arguments.data());
-}
-
-CommandLine parse_render(const std::vector<std::string>& more) {
-  std::vector<std::string> words{"render", "x.nrrd", "-o", "x.png"};
-  words.insert(words.end(), more.begin(), more.end());
-  return parse(words);
+CommandLine parse_render(const Words& more) {
+  return parsed(joined({"render", "x.nrrd", "-o", "x.png"}, more));
 }
 
 FrameSpec frame_of(const std::vector<std::string>& more) {
@@ -68,15 +59,15 @@ TEST_CASE("single options come before a quality's settings") {
 }
 
 TEST_CASE("what every subcommand draws or predicts takes a quality") {
-  const CommandLine info = parse({"info", "x.nrrd", "--ranks", "4", "--quality", "draft"});
+  const CommandLine info = parsed({"info", "x.nrrd", "--ranks", "4", "--quality", "draft"});
   CHECK(std::get<InfoOptions>(info.command).picture.frame.how == Method(draft));
-  const CommandLine reference = parse(
+  const CommandLine reference = parsed(
       {"reference", "x.nrrd", "-o", "x.exr", "--truth", "method", "--engine", "sheets", "--slabs", "3"});
   const auto& asked = std::get<ReferenceOptions>(reference.command);
   CHECK(asked.picture.frame.as<Sheets>().slabs == 3);
   CHECK(asked.without_effect.empty());
   const CommandLine field =
-      parse({"reference", "x.nrrd", "-o", "x.exr", "--quality", "best", "--slabs", "3"});
+      parsed({"reference", "x.nrrd", "-o", "x.exr", "--quality", "best", "--slabs", "3"});
   CHECK(std::get<ReferenceOptions>(field.command).without_effect ==
         std::vector<std::string>{"--quality", "--slabs"});
 }
@@ -99,29 +90,24 @@ TEST_CASE("options of one engine are refused with the other") {
       {"--radius", "1.5"}, {"--payload", "words"}, {"--normalisation", "none"}, {"--precision", "half"}};
   const std::vector<std::vector<std::string>> of_sheets{
       {"--slabs", "1"}, {"--light-points", "1"}, {"--samples", "1.5", "--image-plane", "slices"}};
-  const auto check_refused = [](std::vector<std::string> words, const std::string& choice,
-                                const std::string& value, const std::string& part) {
-    const std::string option = words.front();
-    words.insert(words.end(), {choice, value});
-    const std::string error = parse_render(words).error;
+  const auto check_error = [](const Words& words, const std::string& choice, const std::string& value,
+                              const std::string& part) {
+    const std::string& option = words.front();
+    const std::string error = parse_render(joined(words, {choice, value})).error;
     INFO(option << " with " << choice << " " << value << ": " << error);
     CHECK_THAT(error, Catch::Matchers::Contains(option + " has no effect on " + part) &&
                           Catch::Matchers::Contains("hint:"));
   };
   for (const auto& words : of_splats) {
-    check_refused(words, "--engine", "sheets", "sheets");
+    check_error(words, "--engine", "sheets", "sheets");
     for (const char* quality : {"draft", "normal", "best"})
-      check_refused(words, "--quality", quality, "sheets");
-    auto fine = words;
-    fine.insert(fine.end(), {"--quality", "paper"});
-    CHECK(parse_render(fine).error.empty());
+      check_error(words, "--quality", quality, "sheets");
+    CHECK(parse_render(joined(words, {"--quality", "paper"})).error.empty());
   }
   for (const auto& words : of_sheets) {
-    check_refused(words, "--engine", "splats", "splats");
-    check_refused(words, "--quality", "paper", "splats");
-    auto fine = words;
-    fine.insert(fine.end(), {"--engine", "sheets"});
-    CHECK(parse_render(fine).error.empty());
+    check_error(words, "--engine", "splats", "splats");
+    check_error(words, "--quality", "paper", "splats");
+    CHECK(parse_render(joined(words, {"--engine", "sheets"})).error.empty());
     CHECK(parse_render(words).error.empty());
   }
 }
@@ -147,29 +133,9 @@ TEST_CASE("qualities, engines and options that contradict each other or do nothi
   }
 }
 
-TEST_CASE("numbers that sheets cannot have end the program before the volume's voxels are read") {
-  const TemporaryFolder folder;
-  const std::string volume = folder / "x_4x4x4_uint8.raw";
-  write_text(volume, std::string(64, 'x'));
-  const std::pair<std::vector<std::string>, const char*> wrong[] = {
-      {{"--slabs", "0"}, "--slabs cannot be 0"},
-      {{"--slabs", "5"}, "--slabs cannot be 5"},
-      {{"--light-points", "3"}, "--light-points cannot be 3"},
-      {{"--image-plane", "slices", "--samples", "3"}, "--samples cannot be 3"}};
-  for (const auto& [words, part] : wrong) {
-    std::vector<std::string> all{"render", volume, "-o", folder / "x.png", "--engine", "sheets"};
-    all.insert(all.end(), words.begin(), words.end());
-    const Ended ended = run_program(all);
-    CHECK(ended.code == 2);
-    CHECK_THAT(ended.err, Catch::Matchers::Contains(part));
-  }
-}
-
 TEST_CASE("an error budget against the field chooses the engine where the user has not") {
-  const auto budget = [](const std::vector<std::string>& more) {
-    std::vector<std::string> words{"--max-error", "1"};
-    words.insert(words.end(), more.begin(), more.end());
-    const CommandLine line = parse_render(words);
+  const auto budget = [](const Words& more) {
+    const CommandLine line = parse_render(joined({"--max-error", "1"}, more));
     INFO(line.error);
     REQUIRE(line.error.empty());
     return std::get<RenderOptions>(line.command);
@@ -178,14 +144,9 @@ TEST_CASE("an error budget against the field chooses the engine where the user h
   CHECK(open.budget.to_field);
   REQUIRE(open.budget.other_engine.has_value());
   CHECK(open.budget.other_engine->index() != open.frame.how.index());
-  for (const auto& chosen : std::vector<std::vector<std::string>>{
-           {"--quality", "paper"}, {"--engine", "sheets"}, {"--quality", "draft", "--slabs", "1"}}) {
-    auto words = chosen;
-    words.insert(words.end(), {"--error", "field"});
-    CHECK_FALSE(budget(words).budget.other_engine.has_value());
-  }
   // An option of the usual engine alone chooses it.
-  CHECK_FALSE(budget({"--error", "field", "--slabs", "1"}).budget.other_engine.has_value());
+  for (const Words& chosen : {Words{"--quality", "paper"}, {"--engine", "sheets"}, {"--slabs", "1"}})
+    CHECK_FALSE(budget(joined(chosen, {"--error", "field"})).budget.other_engine.has_value());
   // A method's truth is its own.
   for (const auto& words : std::vector<std::vector<std::string>>{{}, {"--error", "method"}}) {
     CHECK(budget(words).error.truth == TruthKind::method);

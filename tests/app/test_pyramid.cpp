@@ -4,7 +4,7 @@
 #include <random>
 #include <span>
 
-#include "app/succeeded.hpp"
+#include "app/workshop.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "ringsplat/volume/reduced.hpp"
 #include "support/catch.hpp"
@@ -78,15 +78,6 @@ int peak_memory(const std::string& volume, const std::string& store) {
   return most;
 }
 
-bool refused(const Ended& ended, const char* what) {
-  INFO(ended.err);
-  return ended.code == 2 && ended.err.find(what) != std::string::npos;
-}
-
-bool same_pictures(const std::string& a, const std::string& b) {
-  return run_program({"compare", a, b, "--fail-above", "0"}).code == 0;
-}
-
 }  // namespace
 
 TEST_CASE("a pyramid's levels are the volume and its halves, where they were in the world", "[mpi]") {
@@ -114,13 +105,9 @@ TEST_CASE("a pyramid's picture has the bits of its volume's", "[mpi]") {
   const std::string store = folder / "head.zarr", of_file = folder / "file.exr",
                     of_store = folder / "store.exr";
   succeeded(run_program({"pyramid", head, store}, 2));
-  for (const std::vector<std::string>& part : {std::vector<std::string>{}, {"--crop", "10:90,:,30:100"}}) {
-    std::vector<std::string> first{"render", head, "-o", of_file, "--size", "96"},
-        second{"render", store, "-o", of_store, "--size", "96"};
-    first.insert(first.end(), part.begin(), part.end());
-    second.insert(second.end(), part.begin(), part.end());
-    succeeded(run_program(first));
-    succeeded(run_program(second, 3));
+  for (const Words& part : {Words{}, {"--crop", "10:90,:,30:100"}}) {
+    succeeded(run_program(joined({"render", head, "-o", of_file, "--size", "96"}, part)));
+    succeeded(run_program(joined({"render", store, "-o", of_store, "--size", "96"}, part), 3));
     CHECK(same_pictures(of_file, of_store));
   }
 }
@@ -173,8 +160,8 @@ TEST_CASE("a pyramid that was interrupted is gone on with, and nothing else is w
   CHECK_FALSE(fs::exists(fs::path(store) / ".zattrs"));
 
   succeeded(run_program({"synth", "ball", "-o", other, "--dims", "70"}));
-  CHECK(refused(run_program({"pyramid", other, store}), "was begun for another volume"));
-  CHECK(refused(run_program({"pyramid", head, store, "--labels"}), "or with other options"));
+  check_refused(run_program({"pyramid", other, store}), "was begun for another volume");
+  check_refused(run_program({"pyramid", head, store, "--labels"}), "or with other options");
   // As other ranks left it: the last chunk of a layer without the first.
   const fs::path layer = fs::path(store) / "0/0";
   fs::create_directories(layer / "1");
@@ -182,9 +169,9 @@ TEST_CASE("a pyramid that was interrupted is gone on with, and nothing else is w
   fs::remove(layer / "0/0");
   succeeded(run_program({"pyramid", head, store}));
   CHECK(content_of(store) == content_of(whole));
-  CHECK(refused(run_program({"pyramid", head, store}), "is there already"));
-  CHECK(refused(run_program({"pyramid", head, folder / "none/x.zarr"}), "cannot be made"));
-  CHECK(refused(run_program({"pyramid", head, folder / "x.zarr", "--channel", "0,1"}), "shows one channel"));
+  check_refused(run_program({"pyramid", head, store}), "is there already");
+  check_refused(run_program({"pyramid", head, folder / "none/x.zarr"}), "cannot be made");
+  check_refused(run_program({"pyramid", head, folder / "x.zarr", "--channel", "0,1"}), "shows one channel");
 }
 
 TEST_CASE("a part of a pyramid is given in voxels of the finest level, and may be finer than the whole") {
@@ -203,8 +190,8 @@ TEST_CASE("a part of a pyramid is given in voxels of the finest level, and may b
   const auto coarse = open_volume(store, {}, part);
   CHECK(coarse->grid().dims == glm::ivec3(33, 30, 30));
   CHECK(glm::distance(coarse->grid().origin, glm::dvec3(64.5, 10.5, 70.5)) < 1e-12);
-  CHECK(refused(run_program({"info", store, "--crop", ":,:,100:141"}),
-                "--crop: the z part, '100:141', does not lie"));
+  check_refused(run_program({"info", store, "--crop", ":,:,100:141"}),
+                "--crop: the z part, '100:141', does not lie");
 }
 
 TEST_CASE("a rank that makes a pyramid takes at most 256 MiB, of thick layers and wide slices", "[mpi]") {

@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
-#include "app/succeeded.hpp"
+#include "app/workshop.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;
@@ -11,21 +11,12 @@ using nlohmann::json;
 
 namespace {
 
-struct Files {
-  TemporaryFolder folder;
-  std::string volume = folder / "gaussians.nrrd", picture = folder / "x.png", stats = folder / "stats.json";
-  Files() { REQUIRE(run_program({"synth", "gaussians", "-o", volume, "--dims", "40x36x44"}).code == 0); }
-  std::vector<std::string> render(std::vector<std::string> more) const {
-    more.insert(more.begin(), {"render", volume, "-o", picture, "--size", "96x64", "--region", "32"});
-    return more;
-  }
+struct Files : Workshop {
+  Files() : Workshop("gaussians", "40x36x44", {"--size", "96x64", "--region", "32"}) {}
   /// True when a picture equals that of a separate run.
-  bool same_as_alone(const std::string& name, std::vector<std::string> more) const {
-    const TemporaryFolder alone;
-    more.insert(more.begin(),
-                {"render", volume, "-o", alone / "alone.png", "--size", "96x64", "--region", "32"});
-    REQUIRE(run_program(more).code == 0);
-    return run_program({"compare", folder / name, alone / "alone.png", "--fail-above", "0"}).code == 0;
+  bool same_as_alone(const std::string& name, const Words& more) const {
+    render("alone.png", more);
+    return same_pictures(*this / name, *this / "alone.png");
   }
 };
 
@@ -40,7 +31,8 @@ TEST_CASE("lines on stdin that give no view are skipped, the others are rendered
     // Launchers may end a job that reads less quickly than they do, as MPICH's does.
     const std::string lines = "10 5\nleft\x1b[31m\xff\n20 5 0 0\n" +
                               std::string(ranks == 0 ? 3'000'000 : 30'000, 'y') + "\n100 5\n";
-    const Ended ended = run_program(files.render({"--path", "-", "--stats", files.stats}), ranks, lines);
+    const Ended ended =
+        run_program(files.words("x.png", {"--path", "-", "--stats", files / "stats.json"}), ranks, lines);
     INFO(ended.err);
     CHECK(ended.code == 2);
     const auto warnings = lines_with(ended.err, "warning: skipped");
@@ -54,22 +46,15 @@ TEST_CASE("lines on stdin that give no view are skipped, the others are rendered
     CHECK_THAT(errors[0], Catch::Matchers::Contains("3 of the lines give no view and were skipped"));
     CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5", "--fit", "sphere"}));
     CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5", "--fit", "sphere"}));
-    CHECK(json::parse(read_text(files.stats)).size() == 2);
+    CHECK(json::parse(read_text(files / "stats.json")).size() == 2);
   }
-}
-
-TEST_CASE("a stdin without a view is refused") {
-  const Files files;
-  const Ended ended = run_program(files.render({"--path", "-"}), 0, "# nothing\n");
-  CHECK(ended.code == 2);
-  CHECK(lines_with(ended.err, "no view came on stdin").size() == 1);
 }
 
 TEST_CASE("a run that only waits for views says so, and not that it renders") {
   const Files files;
-  std::string command = "timeout -k 2 60 " + quoted(RINGSPLAT_PROGRAM);
-  for (const auto& word : files.render({"--path", "-"})) command.append(" ").append(quoted(word));
-  const std::string said = files.folder / "err";
+  const std::string command =
+      "timeout -k 2 60 " + command_of(RINGSPLAT_PROGRAM, files.words("x.png", {"--path", "-"}));
+  const std::string said = files / "err";
   std::FILE* program = popen((command + " 2>" + quoted(said) + " >/dev/null").c_str(), "w");
   REQUIRE(program != nullptr);
   std::string text;
@@ -81,13 +66,4 @@ TEST_CASE("a run that only waits for views says so, and not that it renders") {
   std::fputs("10 5\n", program);
   CHECK(pclose(program) == 0);
   CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5", "--fit", "sphere"}));
-}
-
-TEST_CASE("views on stdin are each rendered, but not by every subcommand", "[mpi]") {
-  const Files files;
-  succeeded(run_program(files.render({"--path", "-"}), 2, "10 5\n100 5\n"));
-  CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5", "--fit", "sphere"}));
-  const Ended none = run_program({"reference", files.volume, "-o", files.picture, "--path", "-"});
-  CHECK(none.code == 2);
-  CHECK(lines_with(none.err, "stdin").size() == 1);
 }

@@ -1,7 +1,7 @@
 // A volume in chunks that all ranks decode has the picture of the same volume in one piece.
 #include <fmt/format.h>
 
-#include "app/succeeded.hpp"
+#include "app/workshop.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "support/catch.hpp"
 

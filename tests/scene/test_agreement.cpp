@@ -76,6 +76,25 @@ TEST_CASE("a file must have the same bytes for all processes that read it") {
                  Catch::Matchers::Contains("(1 more rank differs)"));
 }
 
+TEST_CASE("all that a file says of its voxels, and where they lie in it, must be the same") {
+  const Folder folder;
+  const auto nrrd = [](const std::string& fields) {
+    return "NRRD0004\ndimension: 3\nencoding: raw\n" + fields + "\n" + voxels();
+  };
+  const std::string plain = nrrd("type: uint8\nsizes: 8 8 12\n"),
+                    shorts = nrrd("type: int16\nsizes: 4 8 12\nendian: little\n");
+  const std::vector<std::array<std::string, 3>> cases{
+      {plain, nrrd("type: int8\nsizes: 8 8 12\n"), "type int8, rank 0 has uint8"},
+      {plain, nrrd("type: uint8\nsizes: 8 8 12\nspacings: 1 1 2\n"), "spacing 1 1 2, rank 0 has 1 1 1"},
+      {plain, nrrd("type: uint8\nsizes: 8 8 12\n# a remark\n"), "offset "},
+      {shorts, nrrd("type: int16\nsizes: 4 8 12\nendian: big\n"), "byte order big, rank 0 has little"},
+      {plain, plain + "more", "file size "}};
+  for (const auto& [first, other, words] : cases) {
+    const auto a = files::write(folder / "a.nrrd", first), b = files::write(folder / "b.nrrd", other);
+    CHECK_THAT(refusal([&](int p) { return open_volume(p == 1 ? b : a); }), Catch::Matchers::Contains(words));
+  }
+}
+
 TEST_CASE("what rank 0 alone decodes is asked of nobody else") {
   const Folder folder;
   const auto path = files::write(
