@@ -120,6 +120,8 @@ TEST_CASE("a volume beside the picture costs no message, and the picture is empt
     spec.as<Splats>().image_plane = plane;
     const FrameResult result = render_loopback(*source, spec, 2, 3);
     CHECK(result.stats.total().tokens_issued == 0);
+    CHECK(result.stats.total().visible_voxels == 0);
+    CHECK(result.stats.total().voxels_outside > 0);
     CHECK(result.stats.total().payloads_sent == 0);
     CHECK(result.stats.total().tiles == 0);
     CHECK(std::all_of(result.image.rgba.begin(), result.image.rgba.end(), [](float v) { return v == 0; }));

@@ -55,25 +55,41 @@ double unevenness(const FrameGeometry& g, const WorkEstimate& work, int renderer
   return *std::max_element(seconds.begin(), seconds.end()) * renderers / sum;
 }
 
-constexpr WorkCosts only_voxels{1e-8, 0, 0, 0, 0};
+constexpr WorkCosts only_voxels{1e-8, 0, 0, 0, 0}, only_slices{0, 1e-9, 0, 0, 0};
+
+/// A ball of voxels in a view, and what is estimated of its work.
+struct Ball {
+  Ball(const glm::ivec3& dims, const glm::dvec3& middle, double radius, FrameSpec seen,
+       const WorkCosts& c = only_voxels)
+      : spec(std::move(seen)),
+        costs(c),
+        sketch(sketch_of(dims, middle, radius)),
+        g(make_geometry(spec, grid_of(dims))),
+        work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1) {}
+  void deal(FrameGeometry& to, const std::vector<double>& busy) const {
+    deal_by_work(to, work, costs, spec, int(busy.size()), busy);
+  }
+
+  FrameSpec spec;
+  WorkCosts costs;
+  VolumeSketch sketch;
+  ShownPoints points;
+  FrameGeometry g;
+  WorkEstimate work;
+};
 
 }  // namespace
 
 TEST_CASE("an estimate's parts add up to all visible voxels, wherever the plane is cut") {
-  const Grid grid = grid_of({100, 90, 80});
-  const VolumeSketch sketch = sketch_of(grid.dims, {50, 45, 40}, 30);
-  ShownPoints points;
   for (const double elevation : {90.0, 20.0}) {
-    const FrameSpec spec = seen(Sheets{}, 30, elevation);
-    const FrameGeometry g = make_geometry(spec, grid);
     // Sheets cut nothing twice.
-    const WorkCosts costs{0, 1e-9, 0, 0, 0};
-    const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
-    const double whole = work.of({0, 0, g.width, g.height}).seconds;
+    const Ball ball({100, 90, 80}, {50, 45, 40}, 30, seen(Sheets{}, 30, elevation), only_slices);
+    const double whole = ball.work.of({0, 0, ball.g.width, ball.g.height}).seconds;
     CHECK(whole > 0);
     double sum = 0;
-    const Regions regions(g.width, g.height, 48);
-    for (int region = 0; region < regions.count(); ++region) sum += work.of(regions.rect(region)).seconds;
+    const Regions regions(ball.g.width, ball.g.height, 48);
+    for (int region = 0; region < regions.count(); ++region)
+      sum += ball.work.of(regions.rect(region)).seconds;
     CHECK(sum == Approx(whole));
   }
 }
@@ -91,28 +107,24 @@ TEST_CASE("an estimate tells what a ball's voxels cost within a few percent") {
 }
 
 TEST_CASE("regions dealt by work are shared more evenly than regions dealt in turn, on every rank alike") {
-  const Grid grid = grid_of({128, 128, 128});
-  const VolumeSketch sketch = sketch_of(grid.dims, {30, 40, 64}, 28);
-  ShownPoints points;
   for (const Method& how : {Method(Splats{}), Method(Sheets{})}) {
-    const FrameSpec spec = seen(how);
     const bool sheets = std::holds_alternative<Sheets>(how);
-    const WorkCosts costs = sheets ? WorkCosts{0, 1e-9, 0, 0, 0} : only_voxels;
     for (const int renderers : {3, 8, 40}) {
-      FrameSpec of_many = spec;
-      of_many.division.dealt_to = renderers;
-      FrameGeometry in_turn = make_geometry(of_many, grid), g = in_turn, again = in_turn;
-      const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
-      REQUIRE(work.telling());
-      deal_by_work(g, work, costs, of_many, renderers, std::vector<double>(std::size_t(renderers)));
+      FrameSpec spec = seen(how);
+      spec.division.dealt_to = renderers;
+      const Ball ball(glm::ivec3(128), {30, 40, 64}, 28, spec, sheets ? only_slices : only_voxels);
+      const FrameGeometry& in_turn = ball.g;
+      FrameGeometry g = in_turn, again = in_turn;
+      REQUIRE(ball.work.telling());
+      ball.deal(g, std::vector<double>(std::size_t(renderers)));
       REQUIRE(!g.dealt.empty());
-      deal_by_work(again, work, costs, of_many, renderers, std::vector<double>(std::size_t(renderers)));
+      ball.deal(again, std::vector<double>(std::size_t(renderers)));
       CHECK(g.dealt == again.dealt);
       CHECK(g.regions == again.regions);
       CAPTURE(renderers, sheets);
-      CHECK(unevenness(g, work, renderers) < 1.25);
-      const double before = unevenness(in_turn, work, renderers);
-      CHECK(unevenness(g, work, renderers) <= before);
+      CHECK(unevenness(g, ball.work, renderers) < 1.25);
+      const double before = unevenness(in_turn, ball.work, renderers);
+      CHECK(unevenness(g, ball.work, renderers) <= before);
       if (renderers == 40) CHECK(before > 1.5);
       // All that voxels can reach is somebody's, and nothing else.
       const PixelRect reached = reached_regions(g, g.regions);
@@ -171,50 +183,38 @@ TEST_CASE("many Renderers' sheets of small blocks lie side by side, and most sta
 }
 
 TEST_CASE("the rank that puts the picture together is busy with it") {
-  const Grid grid = grid_of({128, 128, 128});
-  const VolumeSketch sketch = sketch_of(grid.dims, {64, 64, 64}, 40);
-  const FrameSpec spec = seen(Sheets{});
-  const FrameGeometry g = make_geometry(spec, grid);
-  ShownPoints points;
+  const Ball ball(glm::ivec3(128), glm::dvec3(64), 40, seen(Sheets{}));
   WorkCosts costs = only_voxels;
-  const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
-  const auto without = busy_ranks(g, work, costs, {4, 1}, 4, 2);
+  const auto without = busy_ranks(ball.g, ball.work, costs, {4, 1}, 4, 2);
   costs.picture = 1e-6;
-  const auto with = busy_ranks(g, work, costs, {4, 1}, 4, 2);
-  CHECK(with[0] - without[0] == Approx(1e-6 * g.width * g.height));
+  const auto with = busy_ranks(ball.g, ball.work, costs, {4, 1}, 4, 2);
+  CHECK(with[0] - without[0] == Approx(1e-6 * ball.g.width * ball.g.height));
   CHECK(with[1] == without[1]);
 }
 
 TEST_CASE("a size of regions that is asked for is kept, and a Renderer whose rank is busy gets less") {
-  const Grid grid = grid_of({128, 128, 128});
-  const VolumeSketch sketch = sketch_of(grid.dims, {64, 64, 64}, 60);
   FrameSpec spec = seen(Splats{});
   spec.division = {32, 4};
-  FrameGeometry g = make_geometry(spec, grid);
-  ShownPoints points;
-  const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), only_voxels, 1);
-  const double all = work.of({0, 0, g.width, g.height}).seconds;
-  deal_by_work(g, work, only_voxels, spec, 4, {all / 4, 0, 0, 0});
+  const Ball ball(glm::ivec3(128), glm::dvec3(64), 60, spec);
+  const double all = ball.work.of({0, 0, ball.g.width, ball.g.height}).seconds;
+  FrameGeometry g = ball.g;
+  ball.deal(g, {all / 4, 0, 0, 0});
   CHECK(g.regions == Regions(512, 512, 32));
-  const std::vector<double> seconds = seconds_of_each(g, work, 4);
+  const std::vector<double> seconds = seconds_of_each(g, ball.work, 4);
   CHECK(seconds[0] < 0.5 * seconds[1]);
 }
 
 TEST_CASE("a Renderer that was slower than foreseen gets less, in parts and otherwise") {
-  const Grid grid = grid_of({256, 256, 256});
-  const VolumeSketch sketch = sketch_of(grid.dims, {120, 130, 128}, 100);
-  ShownPoints points;
   for (const int renderers : {3, 8}) {
     FrameSpec spec = seen(Sheets{}, 30, 20);
     spec.division.dealt_to = renderers;
     spec.division.pace.assign(std::size_t(renderers), 1.0F);
     spec.division.pace[1] = 2;
-    FrameGeometry g = make_geometry(spec, grid);
+    const Ball ball(glm::ivec3(256), {120, 130, 128}, 100, spec, only_slices);
+    FrameGeometry g = ball.g;
     REQUIRE(g.in_parts == (renderers == 8));
-    const WorkCosts costs{0, 1e-9, 0, 0, 0};
-    const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
-    deal_by_work(g, work, costs, spec, renderers, std::vector<double>(std::size_t(renderers)));
-    const std::vector<double> seconds = seconds_of_each(g, work, renderers);
+    ball.deal(g, std::vector<double>(std::size_t(renderers)));
+    const std::vector<double> seconds = seconds_of_each(g, ball.work, renderers);
     for (const int other : {0, 2}) {
       CHECK(seconds[1] < 0.7 * seconds[std::size_t(other)]);
       CHECK(seconds[1] > 0.3 * seconds[std::size_t(other)]);
@@ -223,13 +223,9 @@ TEST_CASE("a Renderer that was slower than foreseen gets less, in parts and othe
 }
 
 TEST_CASE("with hardly a visible voxel, regions are dealt in turn") {
-  const Grid grid = grid_of({128, 128, 128});
-  const VolumeSketch sketch = sketch_of(grid.dims, {64, 64, 64}, 3);
-  const FrameSpec spec = seen(Splats{});
-  FrameGeometry g = make_geometry(spec, grid);
-  ShownPoints points;
-  const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), only_voxels, 1);
-  deal_by_work(g, work, only_voxels, spec, 4, {0, 0, 0, 0});
+  const Ball ball(glm::ivec3(128), glm::dvec3(64), 3, seen(Splats{}));
+  FrameGeometry g = ball.g;
+  ball.deal(g, {0, 0, 0, 0});
   CHECK(g.dealt.empty());
 }
 

@@ -3,6 +3,7 @@
 #include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
+#include "support/message_of.hpp"
 
 using namespace ringsplat;
 
@@ -40,12 +41,7 @@ TEST_CASE("a message survives the wire") {
 
 TEST_CASE("bytes that are no message are refused and the sender is named") {
   const auto refused = [](Bytes bytes) {
-    try {
-      Message::from_wire(std::move(bytes), 42);
-    } catch (const RunError& e) {
-      return std::string(e.what()).find("rank 42") != std::string::npos;
-    }
-    return false;
+    return says(message_of<RunError>([&] { Message::from_wire(std::move(bytes), 42); }), "rank 42");
   };
   CHECK(refused(Bytes(10)));
   Bytes wrong_magic = wire_of(with_body(4));

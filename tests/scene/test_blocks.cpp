@@ -18,34 +18,6 @@ std::vector<PlacedBlock> placed(const std::vector<VoxelBox>& boxes) {
   return blocks;
 }
 
-/// Collectives that note the most bytes sent and received in one exchange.
-class CountedCollectives final : public Collectives {
- public:
-  explicit CountedCollectives(Collectives& all) : all_(all) {}
-  int process() const override { return all_.process(); }
-  int processes() const override { return all_.processes(); }
-  std::vector<Block> all_to_all(std::vector<Block> out) override {
-    note(out);
-    auto in = all_.all_to_all(std::move(out));
-    note(in);
-    return in;
-  }
-  std::vector<Block> all_gather(const Block& mine) override { return all_.all_gather(mine); }
-  Block broadcast(Block block, int root) override { return all_.broadcast(std::move(block), root); }
-  void sum(std::span<std::uint64_t> values) override { all_.sum(values); }
-  std::vector<int> absent(double) override { return {}; }
-  std::size_t most() const { return most_; }
-
- private:
-  void note(const std::vector<Block>& blocks) {
-    std::size_t sum = 0;
-    for (const Block& block : blocks) sum += block.size();
-    most_ = std::max(most_, sum);
-  }
-  Collectives& all_;
-  std::size_t most_ = 0;
-};
-
 std::vector<std::byte> numbered_voxels(const Grid& grid) {
   std::vector<std::byte> voxels(grid.bytes());
   for (std::size_t i = 0; i < voxels.size(); ++i) voxels[i] = std::byte((i * i / 7 + 13 * i) % 251);
@@ -132,9 +104,8 @@ TEST_CASE("GPs get the slices of blocks of any shape, order and type, in rounds 
           for (int gp = 0; gp < gps; ++gp)
             if (process_of_gp[std::size_t(gp)] == all.process())
               stores.emplace(gp, SliceStore(grid, gp, gps, {false, false, true}, false));
-          CountedCollectives counted(all);
-          deal_blocks(grid, mine, stores, round_bytes, {gps, process_of_gp, counted});
-          most[me] = counted.most();
+          deal_blocks(grid, mine, stores, round_bytes, {gps, process_of_gp, all});
+          most[me] = all.most();
           const std::size_t slice = grid.slice_bytes(Axis::z);
           for (auto& [gp, store] : stores)
             for (int z = gp; z < grid.dims.z; z += gps)

@@ -122,8 +122,6 @@ Image picture_of_crop(const Volume& whole, FrameSpec spec) {
   return draw(std::move(scene), spec, wiring);
 }
 
-float brightest(const Image& image) { return *std::max_element(image.rgba.begin(), image.rgba.end()); }
-
 Splats words() {
   Splats splats;
   splats.payload = PayloadForm::words;
@@ -274,15 +272,10 @@ TEST_CASE("the clip box may change from frame to frame, also while others are in
     for (std::size_t k = 0; k < 5; ++k)
       alone.push_back(render_loopback(*whole.source(), specs[k], 1, 1).image);
     REQUIRE(alone[0] != alone[1]);
-    OpenedVolume opened{whole.grid, true, whole.source()};
-    const Layout layout{.gps = 3, .renderers = 2};
-    SoloCollectives solo;
-    const Wiring wiring{solo};
-    Scene scene = load_scene(opened, needed_to_render(specs[0], whole.grid), layout, wiring);
     std::size_t seen = 0;
     const auto compare = [&](FrameResult&& result) { CHECK(result.image == alone[seen++ % 5]); };
-    render_frames(std::move(scene), layout, {.frames_in_flight = 4, .look_ahead = 3},
-                  director_of(specs, compare), wiring);
+    render_directed(*whole.source(), needed_to_render(specs[0], whole.grid), {.gps = 3, .renderers = 2},
+                    director_of(specs, compare), {}, {.frames_in_flight = 4, .look_ahead = 3});
     CHECK(seen == 15);
   }
 }

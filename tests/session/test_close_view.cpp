@@ -40,13 +40,3 @@ TEST_CASE("a close view reads only the voxels that it shows, and shows what a la
     CHECK(difference_from_middle(part.image, whole.image) < 1e-5);
   }
 }
-
-TEST_CASE("a view past the volume tells what it did not look at") {
-  const auto source = synth_source("ball", make_grid({20, 20, 20}));
-  FrameSpec spec = oblique_view(40, 40, 16);
-  spec.shown.camera.matrix = std::array<double, 12>{1, 0, 0, 500, 0, 1, 0, 500, 0, 0, 1, 0};
-  const NodeStats total = render_loopback(*source, spec, 2, 1).stats.total();
-  CHECK(total.visible_voxels == 0);
-  CHECK(total.splats_sent == 0);
-  CHECK(total.voxels_outside > 0);
-}

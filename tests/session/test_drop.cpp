@@ -50,16 +50,11 @@ TEST_CASE("dropped frames end at any moment, and the others have the bits they h
     const int gps = std::array{1, 2, 3, 4, 6}[seed % 5];
     const Layout layout =
         seed % 4 == 3 ? mesh_layout(2, 2, 2, Routing::manhattan) : Layout{gps, 1 + int(seed % 3)};
-    SoloCollectives solo;
-    const Wiring wiring{solo, nullptr, {.seed = seed, .reorder = true, .max_delay = int(seed % 6)}};
-    OpenedVolume volume{source->grid(), true, synth_source("ball", source->grid())};
-    Scene scene = load_scene(volume, {}, layout, wiring);
     Browsing browsing{.specs = specs, .patience = int(7 * seed % 90)};
     INFO(fmt::format("seed {}", seed));
-    render_frames(
-        std::move(scene), layout,
-        {.frames_in_flight = 1 + int(seed % 3), .slots = 1 + int(seed % 2), .send_ahead = int(seed / 3 % 3)},
-        browsing.director(), wiring);
+    render_directed(
+        *source, {}, layout, browsing.director(), {.seed = seed, .reorder = true, .max_delay = int(seed % 6)},
+        {.frames_in_flight = 1 + int(seed % 3), .slots = 1 + int(seed % 2), .send_ahead = int(seed / 3 % 3)});
     std::size_t kept = 0;
     for (const auto& [frame, image] : browsing.done) {
       kept += !Browsing::turns_away_from(frame);
@@ -116,11 +111,6 @@ TEST_CASE("a sum of volumes is dropped as one, and the others have the bits of t
 TEST_CASE("a dropped frame costs its tokens, not its splats") {
   const auto source = synth_source("ball", make_grid({33, 33, 33}));
   auto specs = turning_views(2);
-  SoloCollectives solo;
-  const Wiring wiring{solo, nullptr, {}};
-  OpenedVolume volume{source->grid(), true, synth_source("ball", source->grid())};
-  const Layout layout{2, 2};
-  Scene scene = load_scene(volume, {}, layout, wiring);
   Browsing browsing{.specs = specs};
   std::vector<std::int64_t> done;
   Director director = browsing.director();
@@ -128,7 +118,7 @@ TEST_CASE("a dropped frame costs its tokens, not its splats") {
     done.push_back(r.spec.frame);
     CHECK_FALSE(r.stats.dropped);
   };
-  render_frames(std::move(scene), layout, {}, std::move(director), wiring);
+  render_directed(*source, {}, {2, 2}, std::move(director));
   CHECK(done == std::vector<std::int64_t>{0});
 }
 
@@ -143,11 +133,6 @@ TEST_CASE("a director may have nothing for a while") {
                     },
                     [&](FrameResult&&) { ++done; }};
   director.may_come = [&] { return given < specs.size(); };
-  SoloCollectives solo;
-  const Wiring wiring{solo, nullptr, {.reorder = true, .max_delay = 40}};
-  OpenedVolume volume{source->grid(), true, synth_source("ball", source->grid())};
-  const Layout layout{2, 1};
-  Scene scene = load_scene(volume, {}, layout, wiring);
-  render_frames(std::move(scene), layout, {}, std::move(director), wiring);
+  render_directed(*source, {}, {2, 1}, std::move(director), {.reorder = true, .max_delay = 40});
   CHECK(done == specs.size());
 }

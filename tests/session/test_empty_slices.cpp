@@ -73,9 +73,12 @@ TEST_CASE("when nothing can be visible a token goes through one slice") {
   for (const int gps : {1, 2, 5}) {
     const FrameResult result = render_loopback(*source, from_above(), gps, 2);
     CHECK(result.image == Image(40, 40));
-    CHECK(result.stats.total().slices == 1);
-    CHECK(result.stats.total().tokens_issued == 1);
-    CHECK(result.stats.total().tokens_passed == 0);
+    const NodeStats total = result.stats.total();
+    CHECK(total.slices == 1);
+    CHECK(total.tokens_issued == 1);
+    CHECK(total.tokens_passed == 0);
+    CHECK(total.payloads_sent == 0);
+    CHECK(total.tiles == 0);
   }
 }
 
@@ -114,15 +117,10 @@ TEST_CASE("frames with other transfer functions may be in flight together") {
   for (std::size_t k = 0; k < 20; ++k) specs.push_back(spec_of(k));
   for (std::size_t k = 0; k < 5; ++k)
     alone.push_back(render_loopback(*volume.source(), specs[k], 1, 1).image);
-  OpenedVolume opened{volume.grid, true, volume.source()};
-  const Layout layout{.gps = 3, .renderers = 2};
-  SoloCollectives solo;
-  const Wiring wiring{solo};
-  Scene scene = load_scene(opened, needed_to_render(from_above(), volume.grid), layout, wiring);
   std::size_t seen = 0;
   const auto compare = [&](FrameResult&& result) { CHECK(result.image == alone[seen++ % 5]); };
-  render_frames(std::move(scene), layout, {.frames_in_flight = 4, .look_ahead = 3},
-                director_of(specs, compare), wiring);
+  render_directed(*volume.source(), needed_to_render(from_above(), volume.grid), {.gps = 3, .renderers = 2},
+                  director_of(specs, compare), {}, {.frames_in_flight = 4, .look_ahead = 3});
   CHECK(seen == 20);
 }
 

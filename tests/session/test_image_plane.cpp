@@ -31,7 +31,7 @@ TEST_CASE("a picture drawn in the slices' plane has the same bits for any ranks,
       const Image alone = render_loopback(*source, spec, 1, 1).image;
       REQUIRE(alone.width == spec.shown.width);
       REQUIRE(alone.height == spec.shown.height);
-      REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
+      REQUIRE(brightest(alone) > 0.1F);
       for (const auto& [gps, renderers] : {std::pair{3, 2}, {2, 5}, {8, 4}}) {
         for (const int region : {5, 64}) {
           INFO(fmt::format("azimuth {}, {} samples, {} + {} nodes, regions of {}", azimuth, samples, gps,

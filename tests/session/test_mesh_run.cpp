@@ -31,43 +31,22 @@ FrameSpec small_view(int size) {
   return spec;
 }
 
-/// Renders `frames` frames; the director is asked for each one's spec.
-void render_many(VolumeSource& source, const Layout& layout, const ProtocolOptions& protocol,
-                 const LoopbackOptions& loopback, int frames, const std::function<FrameSpec(int)>& spec,
-                 const std::function<void(FrameResult&&)>& done) {
-  std::map<int, SliceStore> stores;
-  SoloCollectives solo;
-  std::vector<std::byte> voxels(source.grid().bytes());
-  source.read_slices(0, source.grid().dims.z, voxels);
-  OpenedVolume volume{source.grid(), true, memory_source(source.grid(), voxels)};
-  const Wiring wiring{solo, nullptr, loopback};
-  Scene scene = load_scene(volume, {}, layout, wiring);
-  int asked = 0;
-  Director director{[&]() -> std::optional<FrameSpec> {
-                      return asked < frames ? std::optional(spec(asked++)) : std::nullopt;
-                    },
-                    done};
-  render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
-}
-
 }  // namespace
 
-TEST_CASE("a mesh gives the bits of the ring and of one process, with hop by hop and with direct messages") {
+TEST_CASE("a mesh gives the bits of one process, with hop by hop and with direct messages") {
   const auto source = synth_source("jack", make_grid({23, 19, 21}));
   FrameSpec spec = small_view(48);
   for (const double azimuth : {33.0, 213.0}) {
     spec.shown.camera.azimuth = azimuth;
     const Image alone = render_loopback(*source, spec, 1, 1).image;
-    REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
+    REQUIRE(brightest(alone) > 0.1F);
     for (const auto routing : {Routing::manhattan, Routing::direct})
       for (const Layout& mesh :
-           {mesh_layout(2, 2, 2, routing), mesh_layout(2, 2, 4, routing), mesh_layout(3, 3, 3, routing),
-            mesh_layout(4, 4, 4, routing), mesh_layout(4, 4, 8, routing), mesh_layout(2, 4, 4, routing),
-            mesh_layout(5, 2, 3, routing), mesh_layout(3, 3, 1, routing), mesh_layout(1, 3, 6, routing),
-            mesh_layout(4, 1, 1, routing), mesh_layout(1, 1, 2, routing)}) {
+           {mesh_layout(2, 2, 2, routing), mesh_layout(3, 3, 3, routing), mesh_layout(4, 4, 8, routing),
+            mesh_layout(2, 4, 4, routing), mesh_layout(5, 2, 3, routing), mesh_layout(1, 3, 6, routing),
+            mesh_layout(4, 1, 1, routing)}) {
         INFO(shape(mesh));
         REQUIRE(render_loopback(*source, spec, mesh).image == alone);
-        REQUIRE(render_loopback(*source, spec, mesh.gps, mesh.renderers).image == alone);
       }
   }
 }
@@ -80,7 +59,7 @@ TEST_CASE("a mesh gives the same bits for 1,000 seeds of delay and reordering") 
   for (const double azimuth : {33.0, 213.0}) {
     spec.shown.camera.azimuth = azimuth;
     const Image& image = alone[azimuth] = render_loopback(*source, spec, 1, 1).image;
-    REQUIRE(*std::max_element(image.rgba.begin(), image.rgba.end()) > 0.1F);
+    REQUIRE(brightest(image) > 0.1F);
   }
   const std::array meshes{mesh_layout(2, 2, 2), mesh_layout(2, 2, 4), mesh_layout(3, 2, 3),
                           mesh_layout(2, 3, 6), mesh_layout(3, 3, 6)};
@@ -121,12 +100,16 @@ TEST_CASE(
       return s;
     };
     INFO(shape(meshes[k]));
-    render_many(*source, meshes[k], {.frames_in_flight = 1 + int(k % 3), .slots = 1, .link_slots = 1},
-                {.seed = k, .reorder = true, .max_delay = 3}, frames, spec, [&](FrameResult&& result) {
-                  REQUIRE(result.spec.frame == done);
-                  sizes.insert(result.stats.total().payload_bytes_sent);
-                  ++done;
-                });
+    const auto next = [&, asked = 0]() mutable {
+      return asked < frames ? std::optional(spec(asked++)) : std::nullopt;
+    };
+    const auto check_frame = [&](FrameResult&& result) {
+      REQUIRE(result.spec.frame == done);
+      sizes.insert(result.stats.total().payload_bytes_sent);
+      ++done;
+    };
+    render_directed(*source, {}, meshes[k], {next, check_frame}, {.seed = k, .reorder = true, .max_delay = 3},
+                    {.frames_in_flight = 1 + int(k % 3), .slots = 1, .link_slots = 1});
     CHECK(done == frames);
     CHECK(sizes.size() > 20);
   }
@@ -212,42 +195,13 @@ TEST_CASE("in step, a frame begins when the one before it is over") {
     under_way = header.frame;
     if (header.kind == Kind::payload) CHECK(++uses[{step, link}] == 1);
   };
+  std::vector<FrameSpec> specs(4, small_view(48));
+  for (std::size_t k = 0; k < specs.size(); ++k) specs[k].shown.camera.azimuth = 90.0 * double(k) + 33;
   int done = 0;
-  render_many(
-      *source, mesh, {.frames_in_flight = 3}, loopback, 4,
-      [](int frame) {
-        FrameSpec spec = small_view(48);
-        spec.shown.camera.azimuth = 90.0 * frame + 33;
-        return spec;
-      },
-      [&](FrameResult&&) { ++done; });
+  render_directed(*source, {}, mesh, director_of(specs, [&](FrameResult&&) { ++done; }), loopback,
+                  {.frames_in_flight = 3});
   CHECK(done == 4);
   CHECK(under_way == 3);
-}
-
-TEST_CASE("a rank that stops ends the run with a report of who waits for whom") {
-  const auto source = synth_source("jack", make_grid({17, 15, 16}));
-  const FrameSpec spec = small_view(48);
-  const Layout mesh = mesh_layout(3, 3, 3);
-  const auto report = [&](int rank, int turn) -> std::string {
-    try {
-      render_loopback(*source, spec, mesh, {.stopping_rank = rank, .stops_at_turn = turn},
-                      {.slots = 1, .link_slots = 1});
-    } catch (const RunError& e) {
-      return e.what();
-    }
-    return {};
-  };
-  // Renderer 0 takes no more messages: its neighbour's link is full, and a GP waits for its accept.
-  const std::string renderer = report(9, 8);
-  CHECK(renderer.find("rank 9 (stopped)") != std::string::npos);
-  CHECK(renderer.find("waits for Renderer 0 to accept") != std::string::npos);
-  CHECK(renderer.find("rank 9 has not yet handed on 1 message(s) from link x0y0W") != std::string::npos);
-  CHECK(renderer.find("the frame buffer waits for reports on frame 0 from") != std::string::npos);
-  // GP 4 in the middle forwards nothing.
-  const std::string gp = report(4, 8);
-  CHECK(gp.find("rank 4 (stopped)") != std::string::npos);
-  CHECK(gp.find("for rank 4") != std::string::npos);
 }
 
 TEST_CASE("the watchdog ends a rank's run and says whom it waits for") {

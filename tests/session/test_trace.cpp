@@ -27,13 +27,10 @@ struct Traced {
 Traced trace_loopback(const Layout& layout, LoopbackOptions loopback, int look_ahead) {
   const auto source = synth_source("ball", make_grid({20, 22, 18}));
   SoloCollectives solo;
-  const Wiring wiring{solo, nullptr, loopback};
-  OpenedVolume volume{source->grid(), true, synth_source("ball", make_grid({20, 22, 18}))};
   FrameSpec spec;
   spec.shown.width = spec.shown.height = 64;
   spec.division.region_size = 16;
   spec.shown.transfer_function = ramp(20, 255, 0.3);
-  Scene scene = load_scene(volume, {}, layout, wiring);
   Traced traced;
   Trace trace;
   ProtocolOptions protocol;
@@ -46,7 +43,7 @@ Traced trace_loopback(const Layout& layout, LoopbackOptions loopback, int look_a
                     },
                     [&](FrameResult&& r) { traced.stats.push_back(std::move(r.stats)); }};
   trace.compare_clocks(solo);
-  render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
+  render_directed(*source, {}, layout, std::move(director), loopback, protocol);
   trace.compare_clocks(solo);
   traced.trace = json::parse(to_chrome_trace(trace.gather(solo), layout));
   return traced;

@@ -1,5 +1,6 @@
 #pragma once
 // Small scenes and one-line rendering for tests.
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,18 +40,26 @@ inline TransferFunction ramp(double low, double high, double opacity) {
   return tf;
 }
 
-/// Renders one frame with all ranks in this process.
-inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, const Layout& layout,
-                                   const LoopbackOptions& loopback = {}, const ProtocolOptions& protocol = {},
-                                   const EngineOptions& engine = {}) {
+/// Renders a director's frames with all ranks in this process.
+inline void render_directed(VolumeSource& source, const LoadOptions& load, const Layout& layout,
+                            Director director, const LoopbackOptions& loopback = {},
+                            const ProtocolOptions& protocol = {}, const EngineOptions& engine = {}) {
   SoloCollectives solo;
   const Wiring wiring{solo, nullptr, loopback};
   OpenedVolume volume{source.grid(), source.concurrent(), std::make_unique<ForwardingSource>(source)};
   volume.has_labels = source.labels() != nullptr;
-  Scene scene = load_scene(volume, needed_to_render(spec, volume.grid), layout, wiring);
+  Scene scene = load_scene(volume, load, layout, wiring);
+  render_frames(std::move(scene), layout, protocol, std::move(director), wiring, engine);
+}
+
+/// Renders one frame with all ranks in this process.
+inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, const Layout& layout,
+                                   const LoopbackOptions& loopback = {}, const ProtocolOptions& protocol = {},
+                                   const EngineOptions& engine = {}) {
   FrameResult result;
   const auto keep = [&result](FrameResult&& r) { result = std::move(r); };
-  render_frames(std::move(scene), layout, protocol, director_of({spec}, keep), wiring, engine);
+  render_directed(source, needed_to_render(spec, source.grid()), layout, director_of({spec}, keep), loopback,
+                  protocol, engine);
   return result;
 }
 
@@ -73,6 +82,8 @@ inline Image render_image(const Grid& grid, std::span<const std::byte> voxels, c
   render_frames(std::move(scene), layout, {}, director_of({spec}, keep), wiring, engine);
   return image;
 }
+
+inline float brightest(const Image& image) { return *std::max_element(image.rgba.begin(), image.rgba.end()); }
 
 inline double largest_difference(const Image& a, const Image& b) {
   if (a.width != b.width || a.height != b.height) return 1e300;

@@ -44,8 +44,10 @@ class ThreadCollectives final : public Collectives {
   int process() const override { return process_; }
   int processes() const override { return exchange_.processes(); }
   std::vector<Block> all_to_all(std::vector<Block> out) override {
-    for (const Block& block : out) sent_ += block.size();
-    return exchange_.swap(process_, std::move(out));
+    sent_ += note(out);
+    auto in = exchange_.swap(process_, std::move(out));
+    note(in);
+    return in;
   }
   std::vector<Block> all_gather(const Block& mine) override {
     sent_ += mine.size();
@@ -68,11 +70,20 @@ class ThreadCollectives final : public Collectives {
   }
   std::vector<int> absent(double) override { return {}; }
   std::size_t sent() const { return sent_; }  ///< bytes, one for all receivers
+  /// The most bytes that were sent or received in one exchange of blocks.
+  std::size_t most() const { return most_; }
 
  private:
+  std::size_t note(const std::vector<Block>& blocks) {
+    std::size_t sum = 0;
+    for (const Block& block : blocks) sum += block.size();
+    most_ = std::max(most_, sum);
+    return sum;
+  }
+
   ThreadExchange& exchange_;
   int process_;
-  std::size_t sent_ = 0;
+  std::size_t sent_ = 0, most_ = 0;
 };
 
 /// Runs `f` as so many processes. What each throws, by process; empty for one that ends well.
