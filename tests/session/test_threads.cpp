@@ -2,7 +2,6 @@
 
 #include "classify/empty_space.hpp"
 #include "net/message.hpp"
-#include "ringsplat/base/error.hpp"
 #include "splat_engine/row_band.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
@@ -230,13 +229,4 @@ TEST_CASE("frames that are dropped while threads draw them leave nothing behind"
                     {.frames_in_flight = 1 + int(seed % 3)}, {.threads_per_rank = threads});
     CHECK(kept == 6);
   }
-}
-
-TEST_CASE("a number of threads that no rank can use is refused with a hint") {
-  for (const int threads : {-1, 0, 1025, 2'000'000'000}) {
-    CHECK_THROWS_AS(check(EngineOptions{.threads_per_rank = threads}), InputError);
-    CHECK_THROWS_WITH(check(EngineOptions{.threads_per_rank = threads}),
-                      Catch::Matchers::Contains("--threads-per-rank"));
-  }
-  CHECK_NOTHROW(check(EngineOptions{.threads_per_rank = 1024}));
 }
