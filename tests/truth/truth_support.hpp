@@ -191,8 +191,6 @@ inline bool all_finite(const Image& image) {
                      [](float v) { return std::isfinite(v) && v >= 0 && v <= 1.000001F; });
 }
 
-inline float brightest(const Image& image) { return *std::max_element(image.rgba.begin(), image.rgba.end()); }
-
 /// A picture of `size` pixels a side without shading.
 inline FrameSpec plain_spec(const TransferFunction& tf, int size, const Camera& camera = {}) {
   FrameSpec spec;
