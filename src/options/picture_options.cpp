@@ -282,7 +282,7 @@ void add_method_options(OptionList& list, RenderOptions& o) {
       {"--light-points", "1|2", nullptr,
        "Sheets: points of a slab that are lit; without it 1 for --quality draft, else 2",
        value(o.method.light_points), Mark::of_sheets},
-      {"--layers", "SLICES", nullptr,
+      {"--layers", "N", nullptr,
        "Sheets: draw layers of so many slices each for itself, then composite them: with many ranks less has "
        "to be sent; the picture is another one, and the same on any number of ranks",
        value(o.method.layers), Mark::of_sheets},
