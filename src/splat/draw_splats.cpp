@@ -111,92 +111,65 @@ struct OffsetRun {
   }
 };
 
-/// Weights computed from the quadratic.
-///
-/// begin_row(dy, columns) returns the columns with weights, and weights(dx) those of `lanes` pixels, of which
-/// the ones outside these columns mean nothing.
-class ComputedWeights {
- public:
-  HWY_INLINE explicit ComputedWeights(const Footprint& footprint)
-      : reach(kernel_reach(footprint)), footprint_(footprint) {}
-  KernelReach reach;
-
-  HWY_INLINE void begin(const Splat& splat) { splat_ = splat; }
-  HWY_INLINE OffsetRun begin_row(std::int64_t row, const OffsetRun& columns) {
-    const auto dy = static_cast<double>(row);
-    u0_ = static_cast<float>(footprint_.p[1][0] * dy);
-    v0_ = static_cast<float>(footprint_.p[1][1] * dy);
-    linear_ = std::fma(splat_.b, static_cast<float>(dy), splat_.c);
-    return positive(dy).within(columns);
-  }
-  HWY_INLINE FloatVector weights(std::int64_t column) const {
-    const Floats d;
-    const auto set = [&](double value) { return hn::Set(d, static_cast<float>(value)); };
-    const hn::Rebind<std::int32_t, Floats> d32;
-    const auto dx = hn::ConvertTo(d, hn::Iota(d32, static_cast<std::int32_t>(column)));
-    const auto u = fused(set(footprint_.p[0][0]), dx, hn::Set(d, u0_)),
-               v = fused(set(footprint_.p[0][1]), dx, hn::Set(d, v0_));
-    const auto k = hn::Neg(fused(u, u, hn::Mul(v, v)));
-    const auto q = hn::Add(fused(hn::Set(d, splat_.a), dx, k), hn::Set(d, linear_));
-    const auto w = hn::Max(q, hn::Zero(d));
-    return hn::Mul(w, w);
-  }
-
- private:
-  /// The pixels where the quadratic of the splat's row is positive. There is no NaN: coefficients are finite
-  /// and D < 0.
-  OffsetRun positive(double dy) const {
-    const double b = static_cast<double>(splat_.a) + footprint_.e * dy;
-    const double c =
-        static_cast<double>(splat_.c) + static_cast<double>(splat_.b) * dy + footprint_.f * dy * dy;
-    const double discriminant = b * b - 4 * footprint_.d * c;
-    if (!(discriminant > 0)) return {0, 0};
-    const double root = std::sqrt(discriminant), scale = -2 * footprint_.d;
-    const auto before = -static_cast<double>(reach.x) - 1, after = static_cast<double>(reach.x) + 2;
-    return {static_cast<std::int64_t>(std::ceil(std::clamp((b - root) / scale, before, after))),
-            static_cast<std::int64_t>(std::floor(std::clamp((b + root) / scale, before, after))) + 1};
-  }
-
-  const Footprint& footprint_;
-  Splat splat_{};
-  float u0_ = 0, v0_ = 0, linear_ = 0;  ///< of the row
-};
-
 /// Draws splats row by row, clipped to the region.
 class RowPainter {
  public:
   HWY_INLINE RowPainter(const SliceBuffer& slice, const Footprint& footprint, PixelRun* written)
-      : slice_(slice), weights_(footprint), written_(written) {}
+      : slice_(slice), footprint_(footprint), reach_(kernel_reach(footprint)), written_(written) {}
 
   /// Returns whether the splat reaches a pixel.
-  HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) {
-    const KernelReach reach = weights_.reach;
-    const OffsetRun columns{std::max(-x, -reach.x), std::min(slice_.width - x, reach.x + 2)},
-        rows{std::max(-y, -reach.y), std::min(slice_.height - y, reach.y + 2)};
+  HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) const {
+    const OffsetRun columns{std::max(-x, -reach_.x), std::min(slice_.width - x, reach_.x + 2)},
+        rows{std::max(-y, -reach_.y), std::min(slice_.height - y, reach_.y + 2)};
     if (columns.empty()) return false;
-    weights_.begin(splat);
     const Colour colour = load_colour(splat);
     bool reached = false;
     for (std::int64_t dy = rows.first; dy < rows.end; ++dy) {
-      const OffsetRun extent = weights_.begin_row(dy, columns);
+      const OffsetRun extent = positive(splat, static_cast<double>(dy)).within(columns);
       if (extent.empty()) continue;
       const auto row = static_cast<std::ptrdiff_t>(y + dy);
       const auto first = static_cast<std::int32_t>(x + extent.first);
       written_[row].include(first, static_cast<std::int32_t>(x + extent.end));
-      reached |= add(slice_.origin + row * slice_.row_floats + first * std::ptrdiff_t{4}, colour, extent);
+      reached |= add(splat, static_cast<double>(dy), extent, colour,
+                     slice_.origin + row * slice_.row_floats + first * std::ptrdiff_t{4});
     }
     return reached;
   }
 
  private:
+  /// The pixels where the quadratic of the splat's row is positive. There is no NaN: coefficients are finite
+  /// and D < 0.
+  OffsetRun positive(const Splat& splat, double dy) const {
+    const double b = static_cast<double>(splat.a) + footprint_.e * dy;
+    const double c =
+        static_cast<double>(splat.c) + static_cast<double>(splat.b) * dy + footprint_.f * dy * dy;
+    const double discriminant = b * b - 4 * footprint_.d * c;
+    if (!(discriminant > 0)) return {0, 0};
+    const double root = std::sqrt(discriminant), scale = -2 * footprint_.d;
+    const auto before = -static_cast<double>(reach_.x) - 1, after = static_cast<double>(reach_.x) + 2;
+    return {static_cast<std::int64_t>(std::ceil(std::clamp((b - root) / scale, before, after))),
+            static_cast<std::int64_t>(std::floor(std::clamp((b + root) / scale, before, after))) + 1};
+  }
+
   /// Adds to a row of the splat's. Returns whether any of the weights is positive. `pixels`: the extent's
   /// first.
-  HWY_INLINE bool add(float* pixels, const Colour& colour, const OffsetRun& extent) const {
+  HWY_INLINE bool add(const Splat& splat, double dy, const OffsetRun& extent, const Colour& colour,
+                      float* pixels) const {
     const Floats d;
+    const hn::Rebind<std::int32_t, Floats> d32;
+    const auto set = [&](double value) { return hn::Set(d, static_cast<float>(value)); };
+    const auto& p = footprint_.p;
+    const auto a = hn::Set(d, splat.a),
+               linear = hn::Set(d, std::fma(splat.b, static_cast<float>(dy), splat.c));
+    const auto u_dx = set(p[0][0]), v_dx = set(p[0][1]), u0 = set(p[1][0] * dy), v0 = set(p[1][1] * dy);
     auto largest = hn::Zero(d);
     for (std::int64_t at = extent.first; at < extent.end; at += lanes, pixels += 4 * lanes) {
+      const auto dx = hn::ConvertTo(d, hn::Iota(d32, static_cast<std::int32_t>(at)));
+      const auto u = fused(u_dx, dx, u0), v = fused(v_dx, dx, v0);
+      const auto k = hn::Neg(fused(u, u, hn::Mul(v, v)));
+      const auto w = hn::Max(hn::Add(fused(a, dx, k), linear), hn::Zero(d));
       const auto inside = hn::FirstN(d, std::min(static_cast<std::size_t>(extent.end - at), lanes));
-      const auto weights = hn::IfThenElseZero(inside, weights_.weights(at));
+      const auto weights = hn::IfThenElseZero(inside, hn::Mul(w, w));
       largest = hn::Max(largest, weights);
       add_to(pixels, spread_.get<0>(weights), colour);
       add_to(pixels + lanes, spread_.get<1>(weights), colour);
@@ -207,7 +180,8 @@ class RowPainter {
   }
 
   const SliceBuffer& slice_;
-  ComputedWeights weights_;
+  const Footprint& footprint_;
+  KernelReach reach_;
   PixelRun* written_;
   Spread spread_;
 };
