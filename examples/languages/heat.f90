@@ -49,6 +49,7 @@ program heat
   call check(ringsplat_commit(session))
   if (picture /= '') call check(ringsplat_render(session, '--tf=grey --range=0:2 --size=256 --background=black', picture))
   call ringsplat_close(session)
+  deallocate (t, next)
   call MPI_Finalize(error)
 
 contains
