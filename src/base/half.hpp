@@ -5,7 +5,7 @@
 /// IEEE 754 binary16 of numbers that are not negative.
 namespace ringsplat {
 
-/// Rounds 0 and numbers from 2⁻¹²⁶ to 65504 to nearest even (Giesen 2012, "Float->half variants").
+/// Rounds 0, but not -0, and numbers from 2⁻¹²⁶ to 65504 to nearest even (Giesen 2012, "Float->half variants").
 inline std::uint16_t to_half(float value) {
   const auto bits = std::bit_cast<std::uint32_t>(value);
   // The sum has the half's last place, so that adding rounds.

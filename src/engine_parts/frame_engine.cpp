@@ -58,7 +58,7 @@ class PictureCanvas final : public Canvas {
 
 }  // namespace
 
-FramePlan plan_of(const FrameGeometry& g, SliceDealing dealing, int renderers) {
+FramePlan plan_of(const FrameGeometry& g, SliceDealing dealing, const RegionOwners& owners) {
   FramePlan plan;
   plan.ascending = g.traversal.ascending;
   plan.owners.resize(std::size_t(g.slices));
@@ -67,7 +67,6 @@ FramePlan plan_of(const FrameGeometry& g, SliceDealing dealing, int renderers) {
   plan.first_slice = first + g.traversal.slice_at(0, g.slices);
   for (int step = 0; step < g.slices; ++step)
     plan.owners[std::size_t(step)] = dealing.owner_of(first + g.traversal.slice_at(step, g.slices));
-  const RegionOwners owners = g.tile_owners(renderers);
   const Regions& regions = g.picture_regions();
   plan.tiles.resize(std::size_t(regions.count()));
   for (int region = 0; region < regions.count(); ++region) {

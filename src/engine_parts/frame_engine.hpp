@@ -29,7 +29,7 @@ std::unique_ptr<Canvas> make_picture_canvas(std::int64_t number, const Shown& sh
                                             std::shared_ptr<const FrameGeometry> geometry, TakePicture take);
 
 /// What the protocol knows of a frame: slices are dealt in turn, and a tile is a region of the image plane.
-FramePlan plan_of(const FrameGeometry& geometry, SliceDealing dealing, int renderers);
+FramePlan plan_of(const FrameGeometry& geometry, SliceDealing dealing, const RegionOwners& tile_owners);
 
 /// A rank's frames' regions, dealt by the work that the volume's sketch lets foresee
 /// (frame/work_estimate.hpp).

@@ -132,6 +132,8 @@ Forecast::Forecast(VolumeSource& source, FrameSpec frame, const TransferFunction
       dealer_(setup_) {
   frame.shown.transfer_function = function_for(source, choice);
   check(frame);
+  // Tokens' tours through layers are not foreseen.
+  if (auto* const sheets = std::get_if<Sheets>(&frame.how)) sheets->layers = 0;
   const WorkCosts usual = sheets_ ? sheet_costs(machine, voxel_weight) : splat_costs(machine, voxel_weight);
   // A splat of a run, and what its run's head adds.
   constexpr double bytes_of_splat = 11;

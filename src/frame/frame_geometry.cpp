@@ -188,7 +188,9 @@ void stack_layers(FrameGeometry& g, int slices) {
   const PixelRect first = g.regions.rect(0);
   g.layers = {slices, (g.slices + slices - 1) / slices, first.height() * g.regions.rows(), g.regions,
               g.reached};
-  if (g.layers.height > most_rows / g.layers.count)
+  constexpr std::int64_t most_regions = 1 << 20;
+  if (g.layers.height > most_rows / g.layers.count ||
+      std::int64_t{g.regions.count()} * g.layers.count > most_regions)
     throw InputError(fmt::format("{} layers are too many for a picture of that size", g.layers.count),
                      fmt::format("use more slices than --layers {}", slices));
   g.regions = {g.width, g.layers.height * g.layers.count, first.width(), first.height()};
@@ -235,15 +237,15 @@ Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry) {
 }
 
 RegionOwners FrameGeometry::tile_owners(int renderers) const {
-  if (layers.slices == 0) return owners(renderers);
-  // In turn along the rows, so that all have about as many.
+  // Runs along the rows, so that all that draw have about as many.
+  const std::int64_t takers = dealt_to > 0 ? std::min(dealt_to, renderers) : renderers;
   std::vector<int> owner(std::size_t(layers.picture.count()), RegionOwners::nobody);
   const PixelRect& block = layers.reached;
   const std::int64_t all = std::int64_t{block.width()} * block.height();
   std::int64_t next = 0;
   for (int y = block.y0; y < block.y1; ++y)
     for (int x = block.x0; x < block.x1; ++x)
-      owner[std::size_t(y * layers.picture.columns() + x)] = int(next++ * renderers / all);
+      owner[std::size_t(y * layers.picture.columns() + x)] = int(next++ * takers / all * renderers / takers);
   return RegionOwners(std::move(owner));
 }
 
@@ -254,7 +256,7 @@ PixelRect reached_regions(const FrameGeometry& g, const Regions& regions) {
 void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
   const Division& division = spec.division;
   const auto* const sheets = std::get_if<Sheets>(&spec.how);
-  const int layer = sheets != nullptr ? sheets->layers : 0;
+  const int layer = sheets != nullptr ? std::min(sheets->layers, std::max(g.slices, Sheets::least_layer)) : 0;
   int renderers = std::clamp(division.dealt_to, 1, 1 << 16);
   const PixelWindow reached = reached_pixels(g);
   constexpr int usual_side = 128;

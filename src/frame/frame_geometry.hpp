@@ -62,7 +62,7 @@ struct FrameGeometry {
     return {pixels.x0, y0 + layer * layers.height, pixels.x1, y1 + layer * layers.height};
   }
 
-  /// Owners of the picture's regions: who draws them, or composites the layers that others have drawn there.
+  /// Owners of the picture's regions where there are layers: who composites what others have drawn there.
   RegionOwners tile_owners(int renderers) const;
   /// Who draws the reached regions, among `renderers` Renderers.
   RegionOwners owners(int renderers) const {

@@ -35,7 +35,8 @@ void settle_fit(const OptionList& list, RenderOptions& o) {
 void settle_mode(const OptionList& list, RenderOptions& o) {
   // Of fluorescence the largest values show most, where the other options allow a mode.
   const bool mip = std::holds_alternative<Sheets>(o.frame.how) && !list.is_given("--mode") &&
-                   o.colour.interpolation != Interpolation::nearest && !o.frame.shown.edges;
+                   o.colour.interpolation != Interpolation::nearest && !o.frame.shown.edges &&
+                   !list.is_given("--layers");
   if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
 }
 
@@ -123,8 +124,8 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
 }
 
 void note_options_without_effect(const OptionList& list, ReferenceOptions& o) {
-  // No truth uses regions; a field's truth uses no kernel and no slices.
-  std::vector<const char*> unknown{"--region"};
+  // No truth uses regions or layers; a field's truth uses no kernel and no slices.
+  std::vector<const char*> unknown{"--region", "--layers"};
   if (o.truth == TruthKind::method || o.truth == TruthKind::certified) unknown.push_back("--tolerance");
   if (o.truth != TruthKind::method)
     unknown.insert(unknown.end(), {"--radius", "--normalisation", "--no-opacity-correction", "--engine",

@@ -285,7 +285,7 @@ void add_method_options(OptionList& list, RenderOptions& o) {
       {"--layers", "N", nullptr,
        "Sheets: draw layers of so many slices each for itself, then composite them: with many ranks less has "
        "to be sent; the picture is another one, and the same on any number of ranks",
-       value(o.method.layers), Mark::of_sheets},
+       value(o.method.layers, {Sheets::least_layer, 1 << 20}), Mark::of_sheets},
   };
 }
 

@@ -46,7 +46,7 @@ struct Frame {
 
   std::int64_t number;
   FramePlan plan;
-  std::vector<bool> drawing;  ///< by Renderer: it has tiles, and a token
+  std::vector<bool> drawing;  ///< by Renderer: it draws something, and has a token
   std::unique_ptr<Encoder> encoder;
   std::vector<int> shown;  ///< steps that tokens go through, ascending
   std::vector<int> steps;  ///< those of `shown` that this GP owns
@@ -172,7 +172,8 @@ class Gp final : public Node {
 
  private:
   /// Tokens start at the owner of the first slice that their Renderers draw, without layers the front slice,
-  /// and visit slices in the traversal's order; that order keeps a mesh free of contention (net/mesh.hpp).
+  /// and visit slices in the traversal's order; that order keeps a mesh without layers
+  /// free of contention (net/mesh.hpp).
   void start_tokens(Frame& frame) {
     for (int k = 0; k < my_.layout.renderers; ++k) {
       const int renderer = frame.plan.ascending ? k : my_.layout.renderers - 1 - k,
@@ -226,7 +227,8 @@ class Gp final : public Node {
     pass_token(frame, slice, {{place.step, place.renderer, place.sequence + 1}, credits - 1});
   }
 
-  /// In a mesh a token waits for every accept, so that payloads never meet (net/mesh.hpp).
+  /// In a mesh a token waits for every accept, so that payloads never meet without layers
+  /// (net/mesh.hpp).
   std::uint32_t credits_of(std::uint32_t free_slots) const {
     return my_.layout.routed() ? 0 : std::min(free_slots, std::uint32_t(my_.options.send_ahead));
   }

@@ -15,7 +15,8 @@ namespace ringsplat {
 namespace {
 
 /// Renderer (Neumann 1992, sections 2.3 and 3): draws payloads in the order of their sequence number, whoever
-/// sent them and whenever they came, and delivers its tiles when the frame's last payload is drawn.
+/// sent them and whenever they came, and delivers its tiles when the frame's last payload is drawn, or when
+/// it has the layers of all others (FramePlan::shares).
 ///
 /// A payload is accepted when one of the frame's `slots` is free. The token's holder waits for that, so a
 /// Renderer holds at most slots + 1 payloads of each announced frame.
@@ -55,9 +56,9 @@ class Renderer final : public Node {
     if (!frame.drawn()) return draw_some(frame) || prepare(frame);
     if (!frame.dropped && frame.painter->conclude())
       book({Activity::draw, frame.announcement.frame, -1});
-    else if (!std::exchange(frame.handed_over, true))
+    else if (!frame.takers.empty() && !std::exchange(frame.handed_over, true))
       hand_over(frame);
-    else if (frame.gathered.size() < frame.givers)
+    else if (frame.gathered.size() < frame.givers.size())
       return false;
     else
       deliver(frame);
@@ -76,7 +77,7 @@ class Renderer final : public Node {
                          number);
     if (frame.drawn())
       return fmt::format("{} waits for the layers of {} Renderers of {} of frame {}", to_string(id()),
-                         frame.givers - frame.gathered.size(), frame.givers, number);
+                         frame.givers.size() - frame.gathered.size(), frame.givers.size(), number);
     return fmt::format("{} waits for payload {} of {} of frame {}", to_string(id()), frame.next,
                        *frame.payloads_expected, number);
   }
@@ -91,7 +92,7 @@ class Renderer final : public Node {
     bool painting = false;                           ///< payload `next` is being drawn
     bool dropped = false;
     std::vector<int> takers;          ///< Renderers that get layers from here
-    std::size_t givers = 0;           ///< how many Renderers send layers here
+    std::vector<int> givers;          ///< ascending: Renderers that send layers here
     std::map<int, Message> gathered;  ///< by Renderer: the layers that have come
     bool handed_over = false;
     NodeStats stats;
@@ -126,8 +127,9 @@ class Renderer final : public Node {
     if (!plan.drawing(my_.layout.renderers)[std::size_t(my_.index)]) frame.payloads_expected = 0;
     if (plan.shares.empty()) return;
     frame.takers = plan.shares[std::size_t(my_.index)].takers;
-    for (const FramePlan::Share& share : plan.shares)
-      if (std::ranges::binary_search(share.takers, my_.index)) ++frame.givers;
+    for (int r = 0; r < my_.layout.renderers; ++r)
+      if (std::ranges::binary_search(plan.shares[std::size_t(r)].takers, my_.index))
+        frame.givers.push_back(r);
   }
 
   void take_pixels(Frame& frame, Message message) {
@@ -193,7 +195,7 @@ class Renderer final : public Node {
     const std::int64_t number = frame.announcement.frame;
     for (const int taker : frame.takers) {
       Bytes bytes = frame.dropped ? Bytes{} : frame.painter->hand_over(taker);
-      frame.stats.tile_bytes += Message::body_size(bytes);
+      if (taker != my_.index) frame.stats.tile_bytes += Message::body_size(bytes);
       my_.post(Message(make_header(Kind::pixels, id(), {Role::renderer, taker}, number), std::move(bytes)));
     }
     book({Activity::deliver, number});
@@ -202,8 +204,12 @@ class Renderer final : public Node {
   void deliver(Frame& frame) {
     NodeStats& stats = frame.stats;
     const std::int64_t number = frame.announcement.frame;
-    for (const auto& [from, layers] : frame.gathered)
+    for (const auto& [from, layers] : frame.gathered) {
+      if (!std::ranges::binary_search(frame.givers, from))
+        throw RunError(fmt::format("{} got layers of frame {} from Renderer {}, which has none for it",
+                                   to_string(id()), number, from));
       if (!frame.dropped) frame.painter->gather(from, layers.body());
+    }
     if (!frame.dropped)
       frame.painter->finish([&](int tile, Bytes bytes) {
         ++stats.tiles;

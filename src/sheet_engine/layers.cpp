@@ -34,7 +34,7 @@ void append_run(const float* row, const Run& run, Bytes& out) {
   const std::size_t at = out.size();
   out.resize(at + bytes_of(run));
   for (std::size_t k = 0; k < run.pixels * halves; ++k) {
-    const std::uint16_t half = to_half(std::min(row[k], largest_half));
+    const std::uint16_t half = to_half(std::clamp(row[k], 0.0F, largest_half) + 0.0F);
     std::memcpy(out.data() + at + k * sizeof half, &half, sizeof half);
   }
 }
@@ -58,7 +58,6 @@ void append_runs(RegionImage& image, int width, int height, Bytes& out) {
 
 std::vector<FramePlan::Share> shares_of_layers(const SheetFrame& frame, int renderers) {
   const FrameGeometry& g = frame.geometry;
-  if (g.layers.slices == 0) return {};
   std::vector<FramePlan::Share> shares(static_cast<std::size_t>(renderers));
   const int tiles = g.layers.picture.count();
   for (int region = 0; region < g.regions.count(); ++region) {

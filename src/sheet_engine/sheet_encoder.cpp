@@ -182,9 +182,11 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     if (!needed && state.transparent == elsewhere_) return;
     if (!geometry().clip_planes.empty() && cut_off(column, row)) return;
     const PixelWindow seen = windows_.of(column, row, slice_.index);
+    bool outside = true;
     for (int layer = first_layer_; layer <= last_layer_; ++layer) {
       const PixelWindow window = geometry().in_layer(seen, layer);
       const PixelRect touched = geometry().regions.touched(window);
+      outside = touched.empty();
       if (needed)
         send(block, column, row, window, touched);
       else
@@ -192,12 +194,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
           if (!part.knows(block)) part.said.push_back({block, state.transparent});
         });
     }
-    if (needed) count(column, row, seen);
-  }
-
-  void count(int column, int row, const PixelWindow& seen) {
-    const bool outside = geometry().picture_regions().touched(seen).empty();
-    (outside ? counts_.outside : counts_.visible) += voxels_of(column, row);
+    if (needed) (outside ? counts_.outside : counts_.visible) += voxels_of(column, row);
   }
 
   void send(std::uint32_t block, int column, int row, const PixelWindow& window, const PixelRect& touched) {

@@ -19,8 +19,12 @@ std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const 
   if (dealer != nullptr) dealer->deal(spec, frame->geometry);
   frame->transparent = transparent_values(spec.shown);
   frame->owners = frame->geometry.owners(renderers);
-  frame->plan = plan_of(frame->geometry, dealing, renderers);
-  frame->plan.shares = shares_of_layers(*frame, renderers);
+  if (frame->geometry.layers.slices > 0) {
+    frame->plan = plan_of(frame->geometry, dealing, frame->geometry.tile_owners(renderers));
+    frame->plan.shares = shares_of_layers(*frame, renderers);
+  } else {
+    frame->plan = plan_of(frame->geometry, dealing, frame->owners);
+  }
   return frame;
 }
 

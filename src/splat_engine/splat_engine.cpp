@@ -15,7 +15,7 @@ std::shared_ptr<SplatFrame> make_splat_frame(const FrameSpec& spec, FrameGeometr
   frame->geometry = std::move(geometry);
   if (dealer != nullptr) dealer->deal(spec, frame->geometry);
   frame->footprint = make_footprint(frame->splats, frame->geometry);
-  frame->plan = plan_of(frame->geometry, dealing, renderers);
+  frame->plan = plan_of(frame->geometry, dealing, frame->geometry.owners(renderers));
   return frame;
 }
 

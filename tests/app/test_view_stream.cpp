@@ -21,10 +21,10 @@ class PipedStream {
  public:
   explicit PipedStream(const std::function<void(const Camera&)>& check = [](const Camera&) {}) {
     REQUIRE(pipe2(ends_, O_CLOEXEC) == 0);
-    buffer_.emplace(ends_[0], std::ios::in);
-    in_.rdbuf(&*buffer_);
-    stream_ = ViewStream::of(in_, "views", {},
-                             {check, [this](const std::string& warning) { warnings_.push_back(warning); }});
+    // The reader's thread may outlive this, but not its hooks.
+    const auto in = std::make_shared<Input>(ends_[0]);
+    const auto warn = [this, in](const std::string& warning) { warnings_.push_back(warning); };
+    stream_ = ViewStream::of(in->stream, "views", {}, {check, warn});
   }
   ~PipedStream() {
     stream_.reset();
@@ -67,10 +67,15 @@ class PipedStream {
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
+  /// Closes its end of the pipe.
+  struct Input {
+    explicit Input(int end) : buffer(end, std::ios::in), stream(&buffer) {}
+    __gnu_cxx::stdio_filebuf<char> buffer;
+    std::istream stream;
+  };
+
   int ends_[2] = {-1, -1};
   std::vector<std::string> warnings_;
-  std::optional<__gnu_cxx::stdio_filebuf<char>> buffer_;  // closes the pipe
-  std::istream in_{nullptr};
   std::shared_ptr<ViewStream> stream_;
 };
 
