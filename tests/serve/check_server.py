@@ -27,7 +27,7 @@ def bad_messages(options, server):
                     {"type": "ack"}, {"type": "ack", "picture": -1}, {"type": "ack", "picture": "x"},
                     {"type": "probe", "id": 1}, {"type": "snapshot", "id": 1, "width": 64, "height": 64},
                     {"type": "snapshot", "id": 1, "width": 64, "height": 64, "format": "../../etc/passwd"},
-                    {**good, "width": 0}, {**good, "width": 100000}, {**good, "seq": 1e99},
+                    {**good, "width": 0}, {**good, "width": 100000}, {**good, "width": 64.5}, {**good, "seq": 1e99},
                     '{"type":"view","seq":1,"width":64,"height":64,"state":{"camera":{"azimuth":1e999}}}',
                     {**good, "state": {"camera": {"zoom": 0}}}, {**good, "state": {"camera": 7}},
                     {**good, "state": {"light": [0, 0, 0]}}, {**good, "state": {"light": [1, 2]}},
