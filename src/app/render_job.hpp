@@ -83,6 +83,10 @@ void settle_ranks(Job& job, Launch& launch);
 /// memory.
 void settle_layout(Job& job, std::size_t pictures, std::size_t volumes, Launch& launch);
 
+/// Throws the InputError of settle_layout() where this process's part of `volumes` of the job's series
+/// exceeds the machine's memory.
+void check_memory(const Job& job, std::size_t pictures, const Launch& launch, std::size_t volumes = 1);
+
 // What all runs do that render a volume.
 
 OpenedVolume open(const VolumeOptions& volume, Launch& launch);

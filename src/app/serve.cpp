@@ -91,6 +91,9 @@ std::vector<ValueRange> ranges_of(const Scene& scene) {
   return ranges;
 }
 
+/// From the start.
+bool compares_two(const RenderOptions& o) { return o.more_volumes.size() == 1; }
+
 serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const Scene& scene,
                                     MadeFunction made, const Launch& launch) {
   const RenderOptions& o = job.options;
@@ -111,6 +114,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   for (const SeriesEntry& volume : job.series) v.frames.push_back(volume.name);
   v.frame = o.frame;
   v.initial.shown = o.frame.shown;
+  if (compares_two(o)) v.initial.compared = 1;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
   made.set(v.initial.shown);
   v.initial.shown.tints = tints_of(o.volume.mask, scene.labels);
@@ -195,27 +199,54 @@ void leave_the_end_to_rank_0() {
   sigaction(SIGINT, &action, nullptr);
 }
 
-/// Shows one volume of the series after another, as pages ask for them; the next in the same direction is
-/// read meanwhile. Where one cannot be loaded, pages are told why, and the one before is loaded again.
+/// Loads the volumes in all channels: the first, unless the scene is that already, and the others beside it.
+/// `failed` becomes the one that cannot be loaded where this throws.
+void load_all(Scene& scene, const std::vector<int>& volumes, int& failed, SeriesLoader& loader,
+              const Job& job, Launch& launch) {
+  const std::size_t count = volumes.size();
+  failed = volumes.back();
+  launch.check_on_all_ranks([&] { check_memory(job, pictures_held + count - 1, launch, count); });
+  failed = volumes.front();
+  if (scene.grid.voxels() == 0) scene = loader.load_channels(std::size_t(failed));
+  if (count == 1) return;
+  failed = volumes.back();
+  for (std::size_t k = 0; k < job.channels_drawn(); ++k)
+    scene.others.push_back(loader.load(std::size_t(failed) * job.channels_drawn() + k));
+}
+
+/// Loads the volumes `next`; where that fails, tells pages why and loads `held` again. Returns those that are
+/// loaded.
+std::vector<int> load_next(const std::vector<int>& next, const std::vector<int>& held, SeriesLoader& loader,
+                           Scene& scene, const Job& job, serve::Viewer* viewer, Launch& launch) {
+  std::vector<int> loaded = next;
+  int failed = 0;
+  try {
+    load_all(scene, next, failed, loader, job, launch);
+  } catch (const InputError& e) {
+    if (viewer != nullptr) viewer->not_loaded(failed, e.what());
+    loaded = held;
+    scene = {};
+    load_all(scene, held, failed, loader, job, launch);
+  }
+  if (viewer != nullptr) viewer->loaded(loaded, ranges_of(scene));
+  return loaded;
+}
+
+/// Shows one volume of the series after another, or two together, as pages ask for them; the next in the same
+/// direction is read meanwhile.
 void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewer* viewer, Launch& launch) {
-  std::size_t shown = 0;
+  std::vector<int> held{0};
+  if (compares_two(job.options)) held = load_next({0, 1}, held, loader, scene, job, viewer, launch);
   bool backwards = false;
   while (true) {
-    loader.read_ahead((backwards ? shown - 1 : shown + 1) * job.channels_drawn());
+    const std::size_t shown(held.front());
+    if (held.size() == 1) loader.read_ahead((backwards ? shown - 1 : shown + 1) * job.channels_drawn());
     render_all(job, job.options.run.protocol, std::exchange(scene, {}),
                viewer != nullptr ? viewer->director() : Director{}, launch);
-    const int next = launch.of_rank_0(viewer != nullptr ? viewer->next_volume().value_or(-1) : -1);
-    if (next < 0) return;  // the viewer has ended
-    const std::size_t before = shown;
-    try {
-      scene = loader.load_channels(std::size_t(next));
-      shown = std::size_t(next);
-    } catch (const InputError& e) {
-      if (viewer != nullptr) viewer->not_loaded(next, e.what());
-      scene = loader.load_channels(shown);
-    }
-    if (viewer != nullptr) viewer->loaded(int(shown), ranges_of(scene));
-    if (shown != before) backwards = shown < before;
+    const auto next = launch.of_rank_0(viewer != nullptr ? viewer->next_volumes() : std::vector<int>());
+    if (next.empty()) return;  // the viewer has ended
+    held = load_next(next, held, loader, scene, job, viewer, launch);
+    if (std::size_t(held.front()) != shown) backwards = std::size_t(held.front()) < shown;
   }
 }
 

@@ -11,15 +11,16 @@
 #include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "serve/picture_maker.hpp"
 #include "serve/viewer.hpp"
 
 namespace ringsplat::serve {
 
-/// A picture's message, and what it shows.
+/// A picture's message, or those of two of one view that belong together, and what they show.
 struct SentPicture {
-  std::shared_ptr<const std::string> message;
+  std::vector<std::shared_ptr<const std::string>> messages;
   PictureHead head;
   SceneState state;
   std::uint64_t scene = 0;  ///< the same for pictures of the same view in the same size
@@ -72,7 +73,13 @@ class Audience {
   void show(SentPicture&& picture) {
     picture.head.number = last_ ? last_->head.number + 1 : 1;
     picture.head.pictures_a_second = pictures_a_second();
-    picture.message = std::make_shared<const std::string>(with_head(*picture.message, picture.head));
+    const auto last = static_cast<std::uint16_t>(picture.messages.size() - 1);
+    for (std::uint16_t k = 0; k <= last; ++k) {
+      auto& message = picture.messages[k];
+      picture.head.which = k;
+      picture.head.more = static_cast<std::uint16_t>(last - k);
+      message = std::make_shared<const std::string>(with_head(*message, picture.head));
+    }
     last_ = std::move(picture);
     for (const auto& [client, member] : members_) catch_up(client);
   }
@@ -93,7 +100,7 @@ class Audience {
     member.unacknowledged.insert(member.last);
     const bool told = std::exchange(member.scene, last_->scene) == last_->scene;
     if (!told && !drives(client)) say_to(client, {{"type", "state"}, {"state", to_json(last_->state)}});
-    send_(client, true, last_->message);
+    for (const auto& message : last_->messages) send_(client, true, message);
   }
 
  private:

@@ -38,7 +38,7 @@ struct PictureHead {
   float pictures_a_second = 0;
   double time = 0;                                       ///< of the page's clock, as it was sent
   float rmse = std::numeric_limits<float>::quiet_NaN();  ///< against the best picture, in 1/255
-  std::uint32_t unused = 0;
+  std::uint16_t which = 0, more = 0;  ///< of a view's pictures, from 0, and how many follow
 };
 static_assert(sizeof(PictureHead) == 48);
 
@@ -59,6 +59,7 @@ struct RenderedPicture {
   glm::dvec3 background{0.0};  ///< linear light
   PictureHead head;
   bool moving = true;       ///< less quality will do
+  bool lossless = false;    ///< a PNG
   std::uint64_t scene = 0;  ///< the same for pictures of the same view in the same size
 };
 
@@ -114,7 +115,7 @@ class PictureMaker {
     if (!encoder_) throw RunError(fmt::format("no JPEG encoder: {}", tjGetErrorStr2(nullptr)));
   }
   /// A JPEG: of quality 80 with chroma at half size while moving, of 95 with all of it at rest. Fills in the
-  /// head's size and error. Throws RunError when there is no memory.
+  /// head's size, error and format. Throws RunError when there is no memory.
   std::string make(RenderedPicture& picture) {
     PictureHead& head = picture.head;
     head.width = static_cast<std::uint16_t>(picture.image.width);
@@ -122,6 +123,11 @@ class PictureMaker {
     rgb_ = display_bytes(picture.image, picture.background);
     const bool best = head.level + 1 == head.levels;
     head.rmse = best ? 0 : rmse_[std::size_t(head.level)];
+    if (picture.lossless) {
+      head.format = PictureFormat::png;
+      const Bytes png = image_bytes(picture.image, ".png", picture.background, {});
+      return picture_message(head, {reinterpret_cast<const char*>(png.data()), png.size()});
+    }
     const auto chroma = picture.moving ? TJSAMP_420 : TJSAMP_444;
     unsigned long size = tjBufSize(head.width, head.height, chroma);
     jpeg_.resize(std::max(jpeg_.size(), std::size_t(size)));

@@ -42,7 +42,11 @@ class Requests {
  public:
   /// `wake`: called by any thread when there may be a frame to render. `options` must outlive this.
   Requests(WebServer& server, std::function<void()> wake, const ViewerOptions& options)
-      : server_(server), wake_(std::move(wake)), options_(options), ranges_(options.volume.ranges) {}
+      : server_(server),
+        wake_(std::move(wake)),
+        options_(options),
+        held_(options.first_held()),
+        ranges_(options.volume.ranges) {}
 
   /// `best`: the frame or frames to draw, or the last view's, at the best level; the ranks will not refuse
   /// them. All throw InputError when there is too much to do already, and for a movie whatever is wrong with
@@ -99,20 +103,20 @@ class Requests {
     }
   }
 
-  /// Frames are drawn of another volume from now on; none is under way.
-  void show(int volume, const std::vector<ValueRange>& ranges) {
+  /// Frames are drawn of other volumes from now on; none is under way.
+  void show(const std::vector<int>& volumes, const std::vector<ValueRange>& ranges) {
     const std::lock_guard lock(mutex_);
-    volume_ = volume;
+    held_.volumes = volumes;
     ranges_ = ranges;
   }
 
-  /// The volume that must be shown for what waits, when next() has nothing for the one that is.
+  /// The volume that must be held for what waits, when next() has nothing for those that are.
   std::optional<int> wanted_volume() const {
     const std::lock_guard lock(mutex_);
     if (ended_) return std::nullopt;
-    if (probing_ && probing_->frame < 0 && !probing_->forgotten && probing_->volume != volume_)
+    if (probing_ && probing_->frame < 0 && !probing_->forgotten && !held_.hold(probing_->volume))
       return probing_->volume;
-    if (files_.empty() || making_ || files_.front().volume() == volume_) return std::nullopt;
+    if (files_.empty() || making_ || held_.hold(files_.front().volume())) return std::nullopt;
     return files_.front().volume();
   }
 
@@ -202,17 +206,19 @@ class Requests {
     if (probing_ && probing_->frame >= 0) return {};
     if (probing_ && probing_->forgotten) probing_.reset();
     if (!probing_ && !probes_.empty()) probing_ = std::move(probes_.extract(probes_.begin()).mapped());
-    if (!probing_ || probing_->volume != volume_) return {};
-    probing_->probe.know_range(ranges_[probing_->channel]);
+    if (!probing_ || !held_.hold(probing_->volume)) return {};
+    const std::size_t volume = held_.first_of(probing_->volume) + probing_->channel;
+    probing_->probe.know_range(ranges_[volume]);
     probing_->frame = frame;
-    return {{probing_->channel, *probing_->probe.next_frame()}};
+    return {{volume, *probing_->probe.next_frame()}};
   }
 
   std::vector<VolumeFrame> next_file(std::int64_t frame) {
-    if (files_.empty() || making_ || files_.front().volume() != volume_) return {};
+    if (files_.empty() || making_ || !held_.hold(files_.front().volume())) return {};
     making_ = std::move(files_.front());
     files_.pop_front();
     making_->frame = frame;
+    for (VolumeFrame& part : making_->frames) part.volume += held_.first_of(making_->volume());
     return making_->frames;
   }
 
@@ -352,8 +358,8 @@ class Requests {
 
   mutable std::mutex mutex_;  ///< guards what follows, up to the workers
   bool ended_ = false;
-  int volume_ = 0;                      ///< that is shown
-  std::vector<ValueRange> ranges_;      ///< its values, by channel
+  HeldVolumes held_;
+  std::vector<ValueRange> ranges_;      ///< of their values, by channel
   std::map<ClientId, Probing> probes_;  ///< each client's newest, not yet begun
   std::optional<Probing> probing_;
   std::deque<File> files_;

@@ -43,6 +43,7 @@ class PageViewer final : public Viewer, ServerEvents {
     const std::lock_guard lock(mutex_);
     next_frame_ = 0;
     rendering_.reset();  // of a run that failed
+    dropped_ = -1;
     return {.next_frame = {},
             .frame_done = [this](FrameResult&& result) { take(std::move(result)); },
             .may_come = [this] { return may_come(); },
@@ -51,17 +52,17 @@ class PageViewer final : public Viewer, ServerEvents {
             .next_picture = [this] { return next(); }};
   }
 
-  std::optional<int> next_volume() override {
+  std::vector<int> next_volumes() override {
     const std::lock_guard lock(mutex_);
-    return ended_ ? std::nullopt : next_volume_;
+    return ended_ ? std::vector<int>() : next_volumes_;
   }
 
-  void loaded(int volume, const std::vector<ValueRange>& ranges) override {
-    requests_.show(volume, ranges);
+  void loaded(const std::vector<int>& volumes, const std::vector<ValueRange>& ranges) override {
+    requests_.show(volumes, ranges);
     const std::lock_guard lock(mutex_);
-    next_volume_.reset();
-    views_.loaded(volume);
-    audience_.say(frame_text(volume, "shown"));
+    next_volumes_.clear();
+    views_.loaded(volumes);
+    for (const int volume : volumes) audience_.say(frame_text(volume, "shown"));
   }
 
   void not_loaded(int volume, const std::string& why) override {
@@ -73,7 +74,7 @@ class PageViewer final : public Viewer, ServerEvents {
   }
 
   void renewed(const ValueRange& range, bool changes) override {
-    requests_.show(0, {range});
+    requests_.show({0}, {range});
     const std::lock_guard lock(mutex_);
     views_.renewed(changes);
   }
@@ -113,8 +114,14 @@ class PageViewer final : public Viewer, ServerEvents {
   using Clock = Views::Clock;
   using Frames = std::vector<VolumeFrame>;
   struct Rendering {
-    std::int64_t frame = 0;
+    std::int64_t frame = 0;  ///< the first picture's number
     Views::Wish wish;
+    std::vector<Frames> pictures;  ///< one, or two that are sent together
+    std::vector<FrameResult> drawn = {};
+
+    bool has(std::int64_t number) const {
+      return number >= frame && number < frame + std::int64_t(pictures.size());
+    }
   };
 
   void opened(ClientId client) override {
@@ -184,7 +191,8 @@ class PageViewer final : public Viewer, ServerEvents {
     const auto& last = views_.last();
     if (!last || asked.x >= last->shown.width || asked.y >= last->shown.height)
       throw InputError("there is no such pixel in the last view");
-    requests_.add(client, asked, best_frames(*last).front(), last->frame);
+    requests_.add(client, asked, best_frames(*last).front(),
+                  asked.of_compared ? last->compared.value_or(last->frame) : last->frame);
   }
 
   void handle(ClientId client, const MapMessage& map) {
@@ -210,18 +218,20 @@ class PageViewer final : public Viewer, ServerEvents {
 
   Frames next() {
     const std::lock_guard lock(mutex_);
-    if (ended_ || next_volume_) return {};
+    if (ended_ || !next_volumes_.empty()) return {};
     Frames frames = next_picture();
-    if (frames.empty() && !next_volume_) {
+    if (frames.empty() && next_volumes_.empty()) {
       frames = requests_.next(next_frame_);
       const auto volume = frames.empty() ? requests_.wanted_volume() : std::nullopt;
-      if (volume) ask_for(*volume);
+      if (volume) ask_for({*volume});
     }
     if (!frames.empty()) ++next_frame_;
     return frames;
   }
 
   Frames next_picture() {
+    if (rendering_ && rendering_->has(next_frame_))
+      return rendering_->pictures[std::size_t(next_frame_ - rendering_->frame)];
     if (audience_.size() == 0 || rendering_ ||
         pictures_encoding_ + audience_.unacknowledged() >= Audience::most_unacknowledged)
       return {};
@@ -229,20 +239,20 @@ class PageViewer final : public Viewer, ServerEvents {
     if (!wish) return {};
     if (!wish->level) {
       if (wish->rests) show_again(wish->view);
-    } else if (wish->view.message.scene.frame != views_.volume()) {
-      ask_for(wish->view.message.scene.frame);
+    } else if (!views_.can_draw(wish->view.message.scene)) {
+      ask_for(wish->view.message.scene.volumes());
     } else {
       views_.begun();
-      rendering_ = {next_frame_, *wish};
-      return views_.frames(*wish->level);
+      rendering_ = {next_frame_, *wish, views_.pictures(*wish->level)};
+      return rendering_->pictures.front();
     }
     return {};
   }
 
   /// The mutex is held.
-  void ask_for(int volume) {
-    next_volume_ = volume;
-    audience_.say(frame_text(volume, "loading"));
+  void ask_for(const std::vector<int>& volumes) {
+    next_volumes_ = volumes;
+    for (const int volume : volumes) audience_.say(frame_text(volume, "loading"));
   }
 
   /// For a view that shows what the last picture shows: the page waits for one with the view's number.
@@ -261,32 +271,41 @@ class PageViewer final : public Viewer, ServerEvents {
     if (requests_.take(result)) return;
     const std::lock_guard lock(mutex_);
     // unwanted() may have dropped it when it was already complete.
-    if (!rendering_ || rendering_->frame != result.spec.frame) return;
-    const Views::Wish wish = std::exchange(rendering_, std::nullopt)->wish;
+    if (!rendering_ || !rendering_->has(result.spec.frame)) return;
+    rendering_->drawn.push_back(std::move(result));
+    if (rendering_->drawn.size() < rendering_->pictures.size()) return;
+    Rendering done = *std::exchange(rendering_, std::nullopt);
+    const Views::Wish& wish = done.wish;
     ++pictures_encoding_;
     const ViewMessage& view = wish.view.message;
-    auto picture = std::make_shared<RenderedPicture>();
-    picture->image = std::move(result.image);
-    picture->background = srgb_to_linear(view.scene.background);
-    picture->moving = !wish.rests;
-    picture->scene = wish.view.scene;
-    picture->head = {.seq = view.seq,
-                     .level = std::uint8_t(*wish.level),
-                     .levels = std::uint8_t(views_.levels().size()),
-                     .at_rest = views_.drawn(wish),
-                     .seconds = static_cast<float>(result.stats.seconds),
-                     .time = view.time};
+    double seconds = done.drawn.front().stats.seconds;
+    if (done.drawn.size() > 1) seconds += done.drawn.back().stats.period;  // they overlap
+    const PictureHead head{.seq = view.seq,
+                           .level = std::uint8_t(*wish.level),
+                           .levels = std::uint8_t(views_.levels().size()),
+                           .at_rest = views_.drawn(wish),
+                           .seconds = static_cast<float>(seconds),
+                           .time = view.time};
+    // What JPEG loses would be seen in a difference.
+    const bool lossless = head.at_rest && done.drawn.size() > 1 && view.scene.gain > 0;
+    auto pictures = std::make_shared<std::vector<RenderedPicture>>();
+    for (FrameResult& one : done.drawn)
+      pictures->push_back({std::move(one.image), srgb_to_linear(view.scene.background), head, !wish.rests,
+                           lossless, wish.view.scene});
     post(picture_worker_,
-         [this, picture, view = wish.view, drawn = Clock::now()] { send_picture(*picture, view, drawn); });
+         [this, pictures, view = wish.view, drawn = Clock::now()] { send_pictures(*pictures, view, drawn); });
   }
 
   bool unwanted(const FrameSpec& spec) {
     if (requests_.unwanted(spec.frame)) return true;
     const std::lock_guard lock(mutex_);
-    if (!rendering_ || rendering_->frame != spec.frame) return false;
+    if (spec.frame == dropped_) return true;
+    if (!rendering_ || !rendering_->has(spec.frame)) return false;
     // A view's first picture is wanted, whatever came after it.
     const Views::View& view = rendering_->wish.view;
     if (!ended_ && audience_.size() > 0 && !(view.shown && views_.has_newer(view))) return false;
+    const std::int64_t other = 2 * rendering_->frame + 1 - spec.frame;
+    dropped_ = rendering_->has(other) && other < next_frame_ ? other : -1;
     rendering_.reset();
     return true;
   }
@@ -304,31 +323,35 @@ class PageViewer final : public Viewer, ServerEvents {
     return best;
   }
 
-  void send_picture(RenderedPicture& picture, const Views::View& view, Clock::time_point drawn) {
-    std::string message;
+  void send_pictures(std::vector<RenderedPicture>& pictures, const Views::View& view,
+                     Clock::time_point drawn) {
+    RenderedPicture& first = pictures.front();
+    std::vector<std::shared_ptr<const std::string>> messages(pictures.size());
     try {
-      message = maker_.make(picture);
+      // The first comes last, as the maker learns from what it made last.
+      for (std::size_t k = pictures.size(); k-- > 0;)
+        messages[k] = std::make_shared<const std::string>(maker_.make(pictures[k]));
     } catch (const std::exception& e) {
+      messages.clear();
       log_error("the viewer: {}", e.what());
     }
     {
       const std::lock_guard lock(mutex_);
       --pictures_encoding_;
-      if (!message.empty()) {
+      if (!messages.empty()) {
         shown_view_ = view.came;
-        audience_.show({std::make_shared<const std::string>(std::move(message)), picture.head,
-                        view.message.scene, view.scene});
+        audience_.show({std::move(messages), first.head, view.message.scene, view.scene});
       }
       const std::chrono::duration<double> to_send = Clock::now() - drawn;
-      views_.took(picture.head.level, double(picture.head.seconds) + to_send.count());
+      views_.took(first.head.level, double(first.head.seconds) + to_send.count());
     }
     wake();
-    maker_.learn(picture);
+    maker_.learn(first);
   }
 
   bool may_come() {
     const std::lock_guard lock(mutex_);
-    return !ended_ && !next_volume_;
+    return !ended_ && next_volumes_.empty();
   }
 
   void wake() {
@@ -347,8 +370,9 @@ class PageViewer final : public Viewer, ServerEvents {
   std::vector<std::string> warnings_;
   std::string told_;  ///< last
   Views views_;
-  std::optional<int> next_volume_;  ///< that the run ends for
+  std::vector<int> next_volumes_;  ///< that the run ends for
   std::optional<Rendering> rendering_;
+  std::int64_t dropped_ = -1;  ///< the other picture of a pair of which one is no longer wanted
   std::int64_t next_frame_ = 0;
   int pictures_encoding_ = 0;
   Clock::time_point shown_view_;  ///< when the view came that the last picture was sent for

@@ -65,16 +65,24 @@ class Views {
   explicit Views(const ViewerOptions& options)
       : options_(options),
         levels_(make_levels(options.volume.grid.dims)),
-        controller_(options.target_seconds) {}
+        controller_(options.target_seconds),
+        held_(options.first_held()) {}
 
   const std::vector<Level>& levels() const { return levels_; }
-  /// The volume that is shown.
-  int volume() const { return volume_; }
+  /// True when the ranks hold all volumes that the scene shows.
+  bool can_draw(const SceneState& scene) const {
+    return std::ranges::all_of(scene.volumes(), [&](int volume) { return held_.hold(volume); });
+  }
   /// The scene of the view that came last.
   const std::optional<SceneState>& last() const { return last_; }
-  /// Of the view that is drawn now.
-  std::vector<VolumeFrame> frames(int level) const {
-    return frames_of(current_->message.scene, levels_[std::size_t(level)], options_);
+  /// Of the view that is drawn now: its picture's frames, or those of each of two volumes.
+  std::vector<std::vector<VolumeFrame>> pictures(int level) const {
+    const SceneState& scene = current_->message.scene;
+    std::vector pictures(scene.compared ? 2 : 1, frames_of(scene, levels_[std::size_t(level)], options_));
+    for (VolumeFrame& part : pictures.front()) part.volume += held_.first_of(scene.frame);
+    if (scene.compared)
+      for (VolumeFrame& part : pictures.back()) part.volume += held_.first_of(*scene.compared);
+    return pictures;
   }
 
   /// The newest view takes the place of one that has not been begun.
@@ -83,13 +91,16 @@ class Views {
     last_ = message.scene;
     newest_ = View{std::move(message), scenes_, Clock::now(), {}};
   }
-  void loaded(int volume) {
-    volume_ = volume;
+  void loaded(const std::vector<int>& volumes) {
+    held_.volumes = volumes;
     not_yet_seen_ = true;
   }
   void not_loaded(int volume) {
-    for (std::optional<View>* const view : {&newest_, &current_})
-      if (*view && (*view)->message.scene.frame == volume) view->reset();
+    for (std::optional<View>* const view : {&newest_, &current_}) {
+      if (!*view) continue;
+      const std::vector<int> needed = (*view)->message.scene.volumes();
+      if (std::ranges::find(needed, volume) != needed.end()) view->reset();
+    }
   }
   /// What was drawn is out of date. `changes`: it will soon be so again.
   void renewed(bool changes) {
@@ -131,19 +142,20 @@ class Views {
   void take_newest() {
     if (!newest_) return;
     const bool loaded_for_current =
-        not_yet_seen_ && current_ && !current_->shown && current_->message.scene.frame == volume_;
-    if (loaded_for_current && newest_->message.scene.frame != volume_) return;
+        not_yet_seen_ && current_ && !current_->shown && can_draw(current_->message.scene);
+    if (loaded_for_current && !can_draw(newest_->message.scene)) return;
     View view = *std::exchange(newest_, std::nullopt);
     if (current_ && current_->scene == view.scene) view.shown = current_->shown;
     current_ = std::move(view);
     std::vector<double> costs;
     for (std::size_t k = 0; k < levels_.size(); ++k) {
-      const auto parts = frames(int(k));
+      const auto drawn = pictures(int(k));
+      const auto& parts = drawn.front();
       // To reduce a volume for a single picture takes longer than to draw it.
       const double one = changes_ && levels_[k].undersample > 1
                              ? std::numeric_limits<double>::infinity()
                              : rough_seconds(parts.front().spec, options_.volume.grid.dims);
-      costs.push_back(double(parts.size()) * one);
+      costs.push_back(double(drawn.size() * parts.size()) * one);
     }
     controller_.expect(std::move(costs));
   }
@@ -155,7 +167,7 @@ class Views {
   std::optional<View> current_;
   std::optional<SceneState> last_;
   std::uint64_t scenes_ = 0;
-  int volume_ = 0;
+  HeldVolumes held_;
   bool changes_ = false;       ///< the volume does, all the time
   bool not_yet_seen_ = false;  ///< no frame was drawn of the volume since it was loaded
 };

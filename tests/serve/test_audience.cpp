@@ -18,7 +18,7 @@ struct Heard {
   }};
 
   void show(std::uint64_t scene = 1) {
-    audience.show({std::make_shared<const std::string>(picture_message({}, "file")), {}, {}, scene});
+    audience.show({{std::make_shared<const std::string>(picture_message({}, "file"))}, {}, {}, scene});
   }
 };
 
@@ -37,6 +37,22 @@ TEST_CASE("The first to come drives, and when it goes the one that is here longe
   audience.remove(4);
   audience.remove(5);
   for (const ClientId client : {4, 5, 6, 99}) CHECK(!audience.drives(client));
+}
+
+TEST_CASE("Two pictures that belong together come together, and are acknowledged as one") {
+  std::vector<std::string> heard;
+  Audience audience{[&](ClientId, bool binary, const auto& bytes) {
+    if (binary) heard.push_back(bytes->substr(8, 4) + bytes->substr(44));
+  }};
+  audience.add(1);
+  const auto message = std::make_shared<const std::string>(picture_message({}, "file"));
+  audience.show({{message, message}, {}, {}, 1});
+  const std::string number("\1\0\0\0", 4);
+  CHECK(heard ==
+        std::vector{number + std::string("\0\0\1\0file", 8), number + std::string("\1\0\0\0file", 8)});
+  CHECK(audience.unacknowledged() == 1);
+  audience.acknowledge(1, 1);
+  CHECK(audience.unacknowledged() == 0);
 }
 
 TEST_CASE("A client with two unacknowledged pictures gets no more") {

@@ -39,7 +39,11 @@ export class FramePanel {
   }
 
   go(frame) {
-    if (this.count > 1) this.app.scene.change({ frame: clamp(Math.round(frame), 0, this.count - 1) });
+    if (this.count < 2) return;
+    const to = clamp(Math.round(frame), 0, this.count - 1), { compare } = this.app.scene.state;
+    // Of two volumes that are compared each takes the other's place.
+    if (this.count === 2 && compare === to) this.app.adjust({ frame: to, compare: 1 - to });
+    else this.app.scene.change({ frame: to });
   }
 
   step(by) {
@@ -92,6 +96,7 @@ export class FramePanel {
     if (status !== 'failed') return;
     this.stop();
     if (this.app.driving && frame === this.frame) this.go(this.seen);
+    if (this.app.driving && frame === this.app.compare.choice.compare) this.app.adjust({ compare: null });
   }
 
   refresh() {
