@@ -182,12 +182,13 @@ Regions low_strips(const FrameGeometry& g, int renderers, const PixelWindow& rea
           std::min(g.width, std::max(round_up(reached_width / columns, 16), least_columns)), region_height};
 }
 
+int layers_of(const FrameGeometry& g, int slices) { return (g.slices + slices - 1) / slices; }
+
 /// Layers lie below each other, so that a Renderer whose regions are neighbours has those of few layers.
 void stack_layers(FrameGeometry& g, int slices) {
   constexpr int most_rows = 1 << 20;
   const PixelRect first = g.regions.rect(0);
-  g.layers = {slices, (g.slices + slices - 1) / slices, first.height() * g.regions.rows(), g.regions,
-              g.reached};
+  g.layers = {slices, layers_of(g, slices), first.height() * g.regions.rows(), g.regions, g.reached};
   constexpr std::int64_t most_regions = 1 << 20;
   if (g.layers.height > most_rows / g.layers.count ||
       std::int64_t{g.regions.count()} * g.layers.count > most_regions)
@@ -201,7 +202,7 @@ void stack_layers(FrameGeometry& g, int slices) {
 /// Among how many Renderers a layer is shared out, so that all have regions of layers and of the picture.
 int sharing_a_layer(const FrameGeometry& g, int slices, int renderers) {
   constexpr int regions_of_strips = 16;
-  const int layers = std::min((g.slices + slices - 1) / slices, regions_of_strips);
+  const int layers = std::min(layers_of(g, slices), regions_of_strips);
   return (renderers + layers - 1) / layers;
 }
 

@@ -217,9 +217,8 @@ class BundleEngine final : public EngineDecorator {
       plan.owners.push_back(of_slices[std::size_t(bundles.begin(bundle))]);
       plan.slices_of_steps.push_back(bundles.slices(bundle));
     }
-    for (FramePlan::Share& share : plan.shares)
-      if (share.first < share.end)
-        share = {bundles.bundle_of(share.first), bundles.bundle_of(share.end - 1) + 1, share.takers};
+    for (auto& [first, end, takers] : plan.shares)
+      if (first < end) first = bundles.bundle_of(first), end = bundles.bundle_of(end - 1) + 1;
     return plan;
   }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {

@@ -133,18 +133,12 @@ class Painter {
   virtual ItemCounts counts() const = 0;  ///< of this frame so far
   /// Wall-clock seconds of compositing in this frame so far.
   virtual double composite_seconds() const { return 0; }
-  /// Of layers (FramePlan::shares): what taker `to` gets, once all is drawn; in a Message::body_buffer(), or
-  /// empty.
-  virtual Bytes hand_over(int to) {
-    static_cast<void>(to);
-    return {};
-  }
-  /// Takes what Renderer `from` has handed over, which stays valid until finish() is done. Throws RunError
+  /// Of layers (FramePlan::shares): what the given taker gets, once all is drawn; in a
+  /// Message::body_buffer(), or empty.
+  virtual Bytes hand_over(int) { return {}; }
+  /// Takes what the given Renderer has handed over, which stays valid until finish() is done. Throws RunError
   /// when the bytes are no layers for this Renderer.
-  virtual void gather(int from, std::span<const std::byte> bytes) {
-    static_cast<void>(from);
-    static_cast<void>(bytes);
-  }
+  virtual void gather(int, std::span<const std::byte>) {}
   /// Calls `deliver(tile, bytes)` for each tile that is not empty; the bytes come in a
   /// Message::body_buffer().
   virtual void finish(const std::function<void(int tile, Bytes bytes)>& deliver) = 0;

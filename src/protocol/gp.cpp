@@ -172,13 +172,14 @@ class Gp final : public Node {
 
  private:
   /// Tokens start at the owner of the first slice that their Renderers draw, without layers the front slice,
-  /// and visit slices in the traversal's order; that order keeps a mesh without layers
-  /// free of contention (net/mesh.hpp).
+  /// and visit slices in the traversal's order; that order keeps a mesh without layers free of contention
+  /// (net/mesh.hpp).
   void start_tokens(Frame& frame) {
     for (int k = 0; k < my_.layout.renderers; ++k) {
       const int renderer = frame.plan.ascending ? k : my_.layout.renderers - 1 - k,
                 step = frame.tours[std::size_t(renderer)].first;
-      if (!frame.drawing[std::size_t(renderer)] || !std::ranges::binary_search(frame.steps, step)) continue;
+      if (!frame.drawing[std::size_t(renderer)] || frame.plan.owners[std::size_t(step)] != my_.index)
+        continue;
       frame.waiting_tokens[step].push_back(
           {{step, renderer, 0}, credits_of(std::uint32_t(my_.options.slots))});
       ++frame.stats.tokens_issued;
@@ -227,8 +228,7 @@ class Gp final : public Node {
     pass_token(frame, slice, {{place.step, place.renderer, place.sequence + 1}, credits - 1});
   }
 
-  /// In a mesh a token waits for every accept, so that payloads never meet without layers
-  /// (net/mesh.hpp).
+  /// In a mesh a token waits for every accept, so that without layers payloads never meet (net/mesh.hpp).
   std::uint32_t credits_of(std::uint32_t free_slots) const {
     return my_.layout.routed() ? 0 : std::min(free_slots, std::uint32_t(my_.options.send_ahead));
   }

@@ -61,7 +61,7 @@ std::vector<FramePlan::Share> shares_of_layers(const SheetFrame& frame, int rend
   std::vector<FramePlan::Share> shares(static_cast<std::size_t>(renderers));
   const int tiles = g.layers.picture.count();
   for (int region = 0; region < g.regions.count(); ++region) {
-    const int renderer = frame.owners.of(region),
+    const int renderer = frame.drawers[std::size_t(region)],
               taker = frame.plan.tiles[std::size_t(region % tiles)].renderer;
     if (renderer == RegionOwners::nobody || taker == RegionOwners::nobody) continue;
     FramePlan::Share& share = shares[std::size_t(renderer)];

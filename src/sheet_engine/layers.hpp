@@ -9,9 +9,9 @@
 
 namespace ringsplat {
 
-/// What Renderers have to do with a frame's layers, when owners and tiles are known.
-/// A layer's slabs lie behind its slices, the first layer's also before its first; they are drawn with
-/// slices up to SheetFrame::reach() away.
+/// What Renderers have to do with a frame's layers, when drawers and tiles are known. A layer's
+/// slabs lie behind its slices, the first layer's also before its first; they are drawn with slices up to
+/// SheetFrame::reach() away.
 std::vector<FramePlan::Share> shares_of_layers(const SheetFrame& frame, int renderers);
 
 /// Appends what one Renderer has drawn of the layers of the tiles that another one delivers: pixels that are

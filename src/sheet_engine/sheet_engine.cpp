@@ -18,13 +18,12 @@ std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const 
   frame->geometry = make_geometry(spec, grid);
   if (dealer != nullptr) dealer->deal(spec, frame->geometry);
   frame->transparent = transparent_values(spec.shown);
-  frame->owners = frame->geometry.owners(renderers);
-  if (frame->geometry.layers.slices > 0) {
-    frame->plan = plan_of(frame->geometry, dealing, frame->geometry.tile_owners(renderers));
-    frame->plan.shares = shares_of_layers(*frame, renderers);
-  } else {
-    frame->plan = plan_of(frame->geometry, dealing, frame->owners);
-  }
+  const FrameGeometry& g = frame->geometry;
+  const RegionOwners owners = g.owners(renderers);
+  for (int region = 0; region < g.regions.count(); ++region) frame->drawers.push_back(owners.of(region));
+  const bool layers = g.layers.slices > 0;
+  frame->plan = plan_of(g, dealing, layers ? g.tile_owners(renderers) : owners);
+  if (layers) frame->plan.shares = shares_of_layers(*frame, renderers);
   return frame;
 }
 

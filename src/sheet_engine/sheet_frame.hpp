@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "frame/frame_geometry.hpp"
 #include "protocol/engine.hpp"
@@ -16,7 +17,7 @@ struct SheetFrame {
   Shown shown;
   Sheets sheets;
   FrameGeometry geometry;
-  RegionOwners owners;  ///< of the geometry's regions: who draws them
+  std::vector<int> drawers;  ///< by region of the geometry: the Renderer that draws it, or nobody
   FramePlan plan;
   TransparentValues transparent;
 

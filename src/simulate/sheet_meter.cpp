@@ -59,7 +59,7 @@ class SampleCounter {
   }
 
  private:
-  int renderer_of(int region) const { return frame_.owners.of(region); }
+  int renderer_of(int region) const { return frame_.drawers[std::size_t(region)]; }
 
   const SheetFrame& frame_;
   SlabWindows windows_;
