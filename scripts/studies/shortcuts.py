@@ -16,7 +16,7 @@ FUNCTIONS = ("soft", "surface")
 PLANES = ("screen", "slices")
 THRESHOLD = ("--opaque-threshold", 1 / 512)
 OPAQUE = ("--opaque-threshold", 0)
-WORDS, RUNS = ("--payload", "words", "--precision", "float"), ("--payload", "runs")
+WORDS, RUNS = ("--payload", "words"), ("--payload", "runs")
 ONE_AHEAD = ("--frames-in-flight", 1, "--look-ahead", 1)
 NONE, WITH_RUNS = (*OPAQUE, *WORDS, *ONE_AHEAD, *DEDICATED), (*OPAQUE, *RUNS, *ONE_AHEAD, *DEDICATED)
 IN_SLICES = ("--image-plane", "slices")
@@ -26,8 +26,6 @@ ROWS = {
     "none": NONE,
     "opaque threshold": (*THRESHOLD, *WORDS, *ONE_AHEAD, *DEDICATED),
     "runs": WITH_RUNS,
-    "runs half": (*WITH_RUNS, "--precision", "half"),
-    "runs u8": (*WITH_RUNS, "--precision", "u8"),
     "frames in flight 2": (*OPAQUE, *WORDS, "--frames-in-flight", 2, "--look-ahead", 1, *DEDICATED),
     "look ahead 4": (*OPAQUE, *WORDS, "--frames-in-flight", 1, "--look-ahead", 4, *DEDICATED),
     "look ahead 4, send ahead 16": (*OPAQUE, *WORDS, "--frames-in-flight", 1, *AHEAD, *DEDICATED),
@@ -39,7 +37,6 @@ ROWS = {
     "undersample 4": (*NONE, "--undersample", 4),
     "all, on the screen": ALL,
     "all": (*ALL, *IN_SLICES),
-    "all, u8": (*ALL, *IN_SLICES, "--precision", "u8"),
     "all, undersample 2": (*ALL, *IN_SLICES, *HALF),
     "all, undersample 2 prefiltered": (*ALL, *IN_SLICES, *HALF, "--prefilter"),
 }

@@ -22,9 +22,7 @@ std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double
   std::visit(
       [&](const auto& how) {
         note("--image-plane", how.image_plane == ImagePlane::slices);
-        if constexpr (std::is_same_v<std::decay_t<decltype(how)>, Splats>) {
-          note("--precision", how.precision != Precision::float32);
-        } else {
+        if constexpr (std::is_same_v<std::decay_t<decltype(how)>, Sheets>) {
           note("--slabs", how.slabs < Sheets::most_slabs);
           note("--light-points", how.light_points < 2);
         }

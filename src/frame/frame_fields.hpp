@@ -42,9 +42,9 @@ void fields(Describes<Shown> auto& shown, auto&& visit) {
 }
 
 void fields(Describes<Splats> auto& splats, auto&& visit) {
-  auto& [image_plane, plane_samples, kernel_radius, normalisation, payload, precision] = splats;
+  auto& [image_plane, plane_samples, kernel_radius, payload] = splats;
   visit("image_plane", image_plane), visit("plane_samples", plane_samples), visit("radius", kernel_radius);
-  visit("normalisation", normalisation), visit("payload", payload), visit("precision", precision);
+  visit("payload", payload);
 }
 
 void fields(Describes<Sheets> auto& sheets, auto&& visit) {
@@ -75,11 +75,8 @@ constexpr Interpolation last_of(Interpolation) { return Interpolation::nearest; 
 constexpr Mode last_of(Mode) { return Mode::attenuated; }
 constexpr Shading last_of(Shading) { return Shading::phong; }
 constexpr Fit last_of(Fit) { return Fit::box; }
-constexpr Normalisation last_of(Normalisation) { return Normalisation::constant; }
 constexpr PayloadForm last_of(PayloadForm) { return PayloadForm::runs; }
-constexpr Precision last_of(Precision) { return Precision::u8; }
 
 const char* name(PayloadForm form);
-const char* name(Precision precision);
 
 }  // namespace ringsplat

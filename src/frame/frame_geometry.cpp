@@ -232,9 +232,7 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
 }
 
 Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry) {
-  Footprint footprint = make_footprint(geometry.view, geometry.traversal.axis, splats.kernel_radius);
-  if (splats.normalisation == Normalisation::none) footprint.weight = 1;
-  return footprint;
+  return make_footprint(geometry.view, geometry.traversal.axis, splats.kernel_radius);
 }
 
 RegionOwners FrameGeometry::tile_owners(int renderers) const {

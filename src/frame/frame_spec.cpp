@@ -105,9 +105,6 @@ void check(const Splats& splats) {
   if (splats.plane_samples != 1 && splats.plane_samples != 2 && splats.plane_samples != 4)
     throw InputError(fmt::format("--samples cannot be {}", splats.plane_samples),
                      "use 1, 2 or 4 pixels a voxel");
-  if (splats.payload == PayloadForm::words && splats.precision != Precision::float32)
-    throw InputError("--payload words always carries float precision",
-                     "use --payload runs with --precision half or u8");
 }
 
 void check(const Sheets& sheets) {
@@ -200,15 +197,7 @@ const char* name(Interpolation interpolation) {
   return interpolation == Interpolation::linear ? "linear" : "nearest";
 }
 
-std::string name(Normalisation normalisation) {
-  return normalisation == Normalisation::none ? "none" : "constant";
-}
-
 const char* name(PayloadForm form) { return form == PayloadForm::words ? "words" : "runs"; }
-
-const char* name(Precision precision) {
-  return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
-}
 
 std::string name(ImagePlane plane) { return plane == ImagePlane::screen ? "screen" : "slices"; }
 

@@ -75,7 +75,7 @@ void add_error_options(OptionList& list, RenderOptions& o) {
        "unless --error-pixels says how many",
        value(o.error.map), Mark::of_program},
       {"--max-error", "RMSE", nullptr,
-       "Choose the cheapest --opaque-threshold, --precision, --radius, --slabs, --light-points, "
+       "Choose the cheapest --opaque-threshold, --radius, --slabs, --light-points, "
        "--image-plane and --undersample whose RMSE against the method's truth stays within this, in 1/255; "
        "with --error field or certified against the field's, and --engine, too; those given are kept",
        parsed(o.budget.max_error, parse_error)},
@@ -112,8 +112,8 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
   settle_fit(list, o);
   o.frame.how = method_for(o.method);
   settle_mode(list, o);
-  for (const char* const name : {"--opaque-threshold", "--precision", "--radius", "--image-plane", "--slabs",
-                                 "--light-points", "--undersample"})
+  for (const char* const name :
+       {"--opaque-threshold", "--radius", "--image-plane", "--slabs", "--light-points", "--undersample"})
     if (o.budget.max_error && list.is_given(name)) o.budget.fixed.emplace(name);
   if (o.error.truth == TruthKind::certified && o.colour.mode == Mode::attenuated)
     throw InputError("--mode attenuated has no certified bounds", "measure it by --error field");
@@ -128,8 +128,8 @@ void note_options_without_effect(const OptionList& list, ReferenceOptions& o) {
   std::vector<const char*> unknown{"--region", "--layers"};
   if (o.truth == TruthKind::method || o.truth == TruthKind::certified) unknown.push_back("--tolerance");
   if (o.truth != TruthKind::method)
-    unknown.insert(unknown.end(), {"--radius", "--normalisation", "--no-opacity-correction", "--engine",
-                                   "--quality", "--slabs", "--light-points"});
+    unknown.insert(unknown.end(), {"--radius", "--no-opacity-correction", "--engine", "--quality", "--slabs",
+                                   "--light-points"});
   for (const char* name : unknown)
     if (list.is_given(name)) o.without_effect.emplace_back(name);
 }

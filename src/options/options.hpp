@@ -112,7 +112,7 @@ inline constexpr Quality usual_quality = Quality::best;
 struct MethodOptions {
   std::optional<Engine> engine;
   std::optional<Quality> quality;
-  /// Its kernel, payload and precision count; plane and samples are below.
+  /// Its kernel and payload count; plane and samples are below.
   Splats splats;
   std::optional<ImagePlane> image_plane;
   std::optional<double> samples;

@@ -311,9 +311,6 @@ void add_picture_options(OptionList& list, RenderOptions& o) {
        flag(o.colour.values)},
       {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
        value(o.method.splats.kernel_radius), Mark::of_splats},
-      {"--normalisation", nullptr, initial, "Divide the kernels' weights by nothing, or by their sum's mean",
-       choice(o.method.splats.normalisation, named({Normalisation::none, Normalisation::constant})),
-       Mark::of_splats},
       {"--region", "N", nullptr,
        "Pixels of the side of a Renderer's region; without it 128, or less, down to 16, where that shares "
        "the work more evenly; strips in the slices' plane",
@@ -342,9 +339,6 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
       {"--payload", nullptr, initial,
        "What GPs send: runs of voxels, or the paper's six words a splat; the same bits",
        choice(o.method.splats.payload, named({PayloadForm::runs, PayloadForm::words})), Mark::of_splats},
-      {"--precision", nullptr, initial, "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel",
-       choice(o.method.splats.precision, named({Precision::float32, Precision::half, Precision::u8})),
-       Mark::of_splats},
   };
 }
 

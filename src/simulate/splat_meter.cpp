@@ -107,10 +107,8 @@ class SplatMeter {
   }
 
   void include_runs(std::span<const std::byte> body) {
-    constexpr std::size_t bytes_of[]{sizeof(FloatVoxel), sizeof(HalfVoxel), sizeof(ByteVoxel)};
-    const std::size_t voxel_bytes = bytes_of[std::size_t(frame_->splats.precision)];
     BlockGroup group;
-    for (std::size_t at = 0; take(body, at, group); at += group.voxels * voxel_bytes)
+    for (std::size_t at = 0; take(body, at, group); at += group.voxels * sizeof(PackedVoxel))
       for (std::uint32_t k = 0; k < group.blocks; ++k) {
         VoxelRun block;
         if (!take(body, at, block)) return;

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <array>
+#include <cstring>
 
-#include "base/half.hpp"
 #include "splat/voxel_run.hpp"
 
 namespace ringsplat {
-void pack(const float* rgba, std::size_t count, FloatVoxel* voxels) {
+void pack(const float* rgba, std::size_t count, PackedVoxel* voxels) {
   // Words are computed together, which compilers vectorise.
   constexpr std::size_t together = 64;
   std::array<std::int32_t, 4 * together> words;
@@ -22,18 +22,6 @@ void pack(const float* rgba, std::size_t count, FloatVoxel* voxels) {
     voxels += some;
     count -= some;
   }
-}
-
-void pack(const float* rgba, std::size_t count, HalfVoxel* voxels) {
-  for (std::size_t k = 0; k < count; ++k)
-    for (std::size_t c = 0; c < 4; ++c) voxels[k].rgba[c] = to_half(rgba[4 * k + c]);
-}
-
-void pack(const float* rgba, std::size_t count, ByteVoxel* voxels) {
-  for (std::size_t k = 0; k < count; ++k)
-    for (std::size_t c = 0; c < 4; ++c)
-      voxels[k].rgba[c] = static_cast<std::uint8_t>(  // NOLINTNEXTLINE(bugprone-incorrect-roundings)
-          static_cast<std::int32_t>(rgba[4 * k + c] * 255.0F + 0.5F));
 }
 
 }  // namespace ringsplat

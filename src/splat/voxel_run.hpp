@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <cstring>
 
-#include "base/half.hpp"
 #include "splat/splat.hpp"
 
 namespace ringsplat {
@@ -21,46 +20,29 @@ struct BlockGroup {
   std::uint32_t blocks, voxels;
 };
 
-/// Voxels as they travel: straight linear colour, and the opacity, corrected and not yet weighted. This one
-/// has the numbers that a Splat has, so it draws the same bits.
-struct FloatVoxel {
+/// A voxel as it travels: straight linear colour, and the opacity as a float, corrected and not yet weighted.
+/// It has the numbers that a Splat has, so it draws the same bits.
+struct PackedVoxel {
   std::uint16_t opacity[2];
   std::uint16_t rgb[3];
 };
-static_assert(sizeof(FloatVoxel) == 10);
-struct HalfVoxel {  ///< IEEE 754 binary16
-  std::uint16_t rgba[4];
-};
-struct ByteVoxel {  ///< 255 = 1
-  std::uint8_t rgba[4];
-};
+static_assert(sizeof(PackedVoxel) == 10);
 
 /// A region's blocks as they travel: VoxelRuns at any alignment, and the voxels of all blocks in order.
-template <class Voxel>
 struct VoxelRuns {
   const std::byte* blocks;
   std::uint32_t count;
-  const Voxel* voxels;
+  const PackedVoxel* voxels;
 };
 
-/// Packs `count` voxels, given as (red, green, blue, opacity), straight and within [0, 1]. FloatVoxel's
-/// colours are rounded as by quantise_colour, halves to nearest even, bytes to nearest.
-void pack(const float* rgba, std::size_t count, FloatVoxel* voxels);
-void pack(const float* rgba, std::size_t count, HalfVoxel* voxels);
-void pack(const float* rgba, std::size_t count, ByteVoxel* voxels);
+/// Packs `count` voxels, given as (red, green, blue, opacity), straight and within [0, 1]. Colours are
+/// rounded as by quantise_colour.
+void pack(const float* rgba, std::size_t count, PackedVoxel* voxels);
 
-inline VoxelColour unpack(const FloatVoxel& in) {
+inline VoxelColour unpack(const PackedVoxel& in) {
   VoxelColour out{in.rgb[0], in.rgb[1], in.rgb[2], 0};
   std::memcpy(&out.opacity, in.opacity, sizeof out.opacity);
   return out;
-}
-inline VoxelColour unpack(const HalfVoxel& in) {
-  return {quantise_colour(from_half(in.rgba[0])), quantise_colour(from_half(in.rgba[1])),
-          quantise_colour(from_half(in.rgba[2])), from_half(in.rgba[3])};
-}
-inline VoxelColour unpack(const ByteVoxel& in) {
-  const auto widen = [](std::uint8_t value) { return static_cast<std::uint16_t>(257 * value); };
-  return {widen(in.rgba[0]), widen(in.rgba[1]), widen(in.rgba[2]), static_cast<float>(in.rgba[3]) / 255.0F};
 }
 
 }  // namespace ringsplat

@@ -41,8 +41,7 @@ std::uint64_t count_drawn(const AlignedSlice& slice, const SliceBuffer& buffer, 
 }
 
 /// What the voxel adds with weight 1; nothing where no footprint gives its opacity.
-template <class Voxel>
-glm::vec4 premultiplied(const Voxel& voxel, double weight) {
+glm::vec4 premultiplied(const PackedVoxel& voxel, double weight) {
   const VoxelColour straight = unpack(voxel);
   const auto weighted = static_cast<float>(static_cast<double>(straight.opacity) * weight);
   const float opacity = std::abs(weighted) < largest_coefficient ? weighted : 0.0F;
@@ -52,9 +51,8 @@ glm::vec4 premultiplied(const Voxel& voxel, double weight) {
 }
 
 /// Places the voxels of a block's mask. (x, y): the place of the mask's bit 0, inside the buffer or not.
-template <class Voxel>
 void place_row(const AlignedSlice& slice, const VoxelRows& to, std::int64_t x, std::int64_t y,
-               std::uint64_t mask, const Voxel* voxels) {
+               std::uint64_t mask, const PackedVoxel* voxels) {
   float* const row = to.buffer.origin + y * to.buffer.row_floats;
   std::uint64_t* const filled = to.filled + y * std::ptrdiff_t(to.row_words);
   const auto fill = [&](std::int64_t pixel, std::uint64_t bits) {
@@ -75,8 +73,7 @@ void place_row(const AlignedSlice& slice, const VoxelRows& to, std::int64_t x, s
 
 }  // namespace
 
-template <class Voxel>
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelRuns<Voxel>& blocks,
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelRuns& blocks,
                          std::uint64_t most) {
   // Windows that meet the region have their anchor at most reach + 1 before it, or reach behind it.
   const std::int64_t least_x = -slice.reach_x - 1, most_x = to.buffer.width + slice.reach_x - 1,
@@ -87,7 +84,7 @@ DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelRu
     VoxelRun block;
     std::memcpy(&block, blocks.blocks + placed.blocks * sizeof block, sizeof block);
     ++placed.blocks;
-    const Voxel* voxels = blocks.voxels + seen;
+    const PackedVoxel* voxels = blocks.voxels + seen;
     seen += std::uint64_t(std::popcount(block.mask));
     const std::int64_t x = to.x + std::int64_t{slice.step_x} * block.first,
                        y = to.y + std::int64_t{slice.step_y} * block.row;
@@ -103,13 +100,6 @@ DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelRu
   placed.counts.clipped = seen - placed.counts.drawn;
   return placed;
 }
-
-template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelRuns<FloatVoxel>&,
-                                  std::uint64_t);
-template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelRuns<HalfVoxel>&,
-                                  std::uint64_t);
-template DrawnBlocks place_voxels(const AlignedSlice&, VoxelRows&, const VoxelRuns<ByteVoxel>&,
-                                  std::uint64_t);
 
 VoxelSum::VoxelSum(AlignedFrame frame, const PixelRect& largest) : frame_(std::move(frame)) {
   const KernelReach reach = frame_.reach();
@@ -142,6 +132,14 @@ void VoxelSum::begin(RegionImage& image) {
 
 void VoxelSum::begin_slice(int slice) {
   if (std::exchange(slice_index_, slice) != slice) slice_ = frame_.slice(slice);
+}
+
+DrawnBlocks VoxelSum::draw(const VoxelRuns& blocks, std::uint64_t most) {
+  rows_.x = slice_.anchor_x - image_->rect().x0;
+  rows_.y = slice_.anchor_y - image_->rect().y0;
+  const DrawnBlocks drawn = place_voxels(slice_, rows_, blocks, most);
+  reached_ |= drawn.counts.drawn > 0;
+  return drawn;
 }
 
 }  // namespace ringsplat

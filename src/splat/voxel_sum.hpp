@@ -34,8 +34,7 @@ struct DrawnBlocks {
 /// Writes the voxels whose windows meet the region, as premultiplied RGBA in float32, and sets their pixels'
 /// bits. Colours and opacities, times opacity_weight, have the bits that SplatSum adds for a splat. A voxel
 /// whose opacity no footprint can give becomes 0. Stops after `most` voxels or the block in which they end.
-template <class Voxel>
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelRuns<Voxel>& blocks,
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelRuns& blocks,
                          std::uint64_t most);
 
 /// Sums a slice's voxels as they lie in their rows, where these are a whole number of pixels apart: they are
@@ -50,14 +49,7 @@ class VoxelSum {
   void begin_slice(int slice);
   /// Takes voxels of the slice, in any order but each only once. Stops after `most` voxels or the block in
   /// which they end.
-  template <class Voxel>
-  DrawnBlocks draw(const VoxelRuns<Voxel>& blocks, std::uint64_t most) {
-    rows_.x = slice_.anchor_x - image_->rect().x0;
-    rows_.y = slice_.anchor_y - image_->rect().y0;
-    const DrawnBlocks drawn = place_voxels(slice_, rows_, blocks, most);
-    reached_ |= drawn.counts.drawn > 0;
-    return drawn;
-  }
+  DrawnBlocks draw(const VoxelRuns& blocks, std::uint64_t most);
   std::uint64_t composite();
 
  private:

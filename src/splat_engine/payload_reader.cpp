@@ -88,7 +88,6 @@ class WordReader final : public GroupReader<SplatGroup, false> {
 };
 
 /// Steps through a part of runs block by block or voxel by voxel.
-template <class Voxel>
 class RunCursor : public GroupReader<BlockGroup, true> {
  public:
   explicit RunCursor(const FrameGeometry& geometry)
@@ -116,21 +115,21 @@ class RunCursor : public GroupReader<BlockGroup, true> {
   }
 
   /// The part's blocks that find() has not reached.
-  VoxelRuns<Voxel> blocks_left() const {
-    return {body_.data() + at_, blocks_left_, reinterpret_cast<const Voxel*>(body_.data() + voxel_at_)};
+  VoxelRuns blocks_left() const {
+    return {body_.data() + at_, blocks_left_, reinterpret_cast<const PackedVoxel*>(body_.data() + voxel_at_)};
   }
   /// Skips `blocks` blocks that have `voxels` voxels in all.
   void skip_blocks(std::uint32_t blocks, std::uint64_t voxels) {
     blocks_left_ -= blocks;
     at_ += blocks * sizeof(VoxelRun);
-    voxel_at_ += std::size_t(voxels) * sizeof(Voxel);
+    voxel_at_ += std::size_t(voxels) * sizeof(PackedVoxel);
   }
 
   /// Row and column of the block's first voxel that is left.
   std::uint32_t row() const { return block_.row; }
   std::uint32_t column() const { return block_.first + std::uint32_t(std::countr_zero(block_.mask)); }
-  Voxel take_voxel() {
-    Voxel voxel;
+  PackedVoxel take_voxel() {
+    PackedVoxel voxel;
     std::memcpy(&voxel, body_.data() + voxel_at_, sizeof voxel);
     voxel_at_ += sizeof voxel;
     block_.mask &= block_.mask - 1;
@@ -150,8 +149,8 @@ class RunCursor : public GroupReader<BlockGroup, true> {
       if (columns < 64 && block.mask >> columns != 0) return false;
       voxels += std::uint64_t(std::popcount(block.mask));
     }
-    if (voxels != group.voxels || (body.size() - at) / sizeof(Voxel) < group.voxels) return false;
-    at += group.voxels * sizeof(Voxel);
+    if (voxels != group.voxels || (body.size() - at) / sizeof(PackedVoxel) < group.voxels) return false;
+    at += group.voxels * sizeof(PackedVoxel);
     return true;
   }
 
@@ -163,21 +162,20 @@ class RunCursor : public GroupReader<BlockGroup, true> {
 };
 
 /// Draws runs without placing each voxel: all voxels of a slice lie at whole-pixel steps.
-template <class Voxel>
-class AlignedReader final : public RunCursor<Voxel> {
+class AlignedReader final : public RunCursor {
  public:
   AlignedReader(const SplatFrame& frame, const AlignedFrame& aligned)
-      : RunCursor<Voxel>(frame.geometry), sum_(aligned, frame.geometry.regions.rect(0)) {}
+      : RunCursor(frame.geometry), sum_(aligned, frame.geometry.regions.rect(0)) {}
 
   void begin(int slice, const PayloadPart& part, RegionImage& image) override {
     sum_.begin(image);
     sum_.begin_slice(slice);
-    this->begin_part(part);
+    begin_part(part);
   }
 
   DrawCounts draw(std::uint32_t most) override {
-    const DrawnBlocks drawn = sum_.draw(this->blocks_left(), most);
-    this->skip_blocks(drawn.blocks, drawn.counts.drawn + drawn.counts.clipped);
+    const DrawnBlocks drawn = sum_.draw(blocks_left(), most);
+    skip_blocks(drawn.blocks, drawn.counts.drawn + drawn.counts.clipped);
     return drawn.counts;
   }
 
@@ -188,11 +186,10 @@ class AlignedReader final : public RunCursor<Voxel> {
 };
 
 /// Makes splats from runs: the same splats that the GP would make from the voxels.
-template <class Voxel>
-class RunReader final : public RunCursor<Voxel> {
+class RunReader final : public RunCursor {
  public:
   explicit RunReader(const SplatFrame& frame)
-      : RunCursor<Voxel>(frame.geometry),
+      : RunCursor(frame.geometry),
         sum_(frame.footprint, frame.geometry.regions.rect(0)),
         geometry_(frame.geometry),
         footprint_(frame.footprint),
@@ -206,13 +203,13 @@ class RunReader final : public RunCursor<Voxel> {
     const KernelReach reach = kernel_reach(footprint_);
     corner_x_ = rect.x0 - reach.x - 1;
     corner_y_ = rect.y0 - reach.y - 1;
-    this->begin_part(part);
+    begin_part(part);
   }
 
   DrawCounts draw(std::uint32_t most) override {
     splats_.resize(most);
     filled_ = 0;
-    while (filled_ < most && this->find() && append_splat()) {
+    while (filled_ < most && find() && append_splat()) {
     }
     return sum_.draw(corner_x_ + base_x_, corner_y_ + base_y_,
                      std::as_bytes(std::span(splats_).first(filled_)));
@@ -226,8 +223,8 @@ class RunReader final : public RunCursor<Voxel> {
   /// Bases are 256 pixels apart; the first lies the kernels' reach before the region's corner, so regions of
   /// up to 250 pixels need only one.
   bool append_splat() {
-    if (std::exchange(row_, this->row()) != this->row()) dda_.begin_row(slice_, int(this->row()));
-    const glm::dvec3 position = dda_.position(this->column());
+    if (std::exchange(row_, row()) != row()) dda_.begin_row(slice_, int(row()));
+    const glm::dvec3 position = dda_.position(column());
     const Anchored at = anchor(position.x, position.y);
     const std::int64_t x = at.anchor_x - corner_x_, y = at.anchor_y - corner_y_;
     if (filled_ == 0) {
@@ -236,7 +233,7 @@ class RunReader final : public RunCursor<Voxel> {
     } else if ((x & ~255) != base_x_ || (y & ~255) != base_y_) {
       return false;
     }
-    splats_[filled_++] = make_splat(footprint_, at.dx, at.dy, unpack(this->take_voxel()),
+    splats_[filled_++] = make_splat(footprint_, at.dx, at.dy, unpack(take_voxel()),
                                     static_cast<std::uint8_t>(x & 255), static_cast<std::uint8_t>(y & 255));
     return true;
   }
@@ -259,8 +256,8 @@ class RunReader final : public RunCursor<Voxel> {
 std::unique_ptr<PayloadReader> make_payload_reader(const SplatFrame& frame) {
   if (frame.splats.payload == PayloadForm::words) return std::make_unique<WordReader>(frame);
   const auto aligned = AlignedFrame::of(frame.footprint, frame.geometry.view, frame.geometry.traversal.axis);
-  if (aligned) return make_for_voxels<PayloadReader, AlignedReader>(frame.splats.precision, frame, *aligned);
-  return make_for_voxels<PayloadReader, RunReader>(frame.splats.precision, frame);
+  if (aligned) return std::make_unique<AlignedReader>(frame, *aligned);
+  return std::make_unique<RunReader>(frame);
 }
 
 }  // namespace ringsplat

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "raster/region_image.hpp"
-#include "splat/footprint.hpp"
+#include "splat/splat.hpp"
 #include "splat_engine/splat_frame.hpp"
 
 namespace ringsplat {
@@ -36,7 +36,7 @@ class PayloadReader {
   virtual std::uint64_t composite() = 0;
 };
 
-/// A reader for a frame's form and precision. The frame must outlive it.
+/// A reader for a frame's form. The frame must outlive it.
 std::unique_ptr<PayloadReader> make_payload_reader(const SplatFrame& frame);
 
 }  // namespace ringsplat

@@ -5,7 +5,6 @@
 #include "base/byte_stream.hpp"
 #include "splat/voxel_run.hpp"
 #include "splat_engine/row_band.hpp"
-#include "splat_engine/splat_frame.hpp"
 
 namespace ringsplat {
 namespace {
@@ -20,7 +19,6 @@ std::uint64_t in_columns(const VisibleBlock& block, Columns columns) {
 }
 
 /// Encodes runs of voxels without positions: the Renderer computes these from the view.
-template <class Voxel>
 class RunBand final : public RowBand {
  public:
   explicit RunBand(const EncoderFrame& frame) : RowBand(frame), parts_(frame.rects.size()) {}
@@ -31,7 +29,7 @@ class RunBand final : public RowBand {
   using Buffer = std::vector<T, UninitialisedAllocator<T>>;
   struct Part {
     Buffer<VoxelRun> blocks;
-    Buffer<Voxel> voxels;
+    Buffer<PackedVoxel> voxels;
   };
 
   /// Voxels of one of the row's blocks that go to a region.
@@ -140,7 +138,7 @@ class RunBand final : public RowBand {
       const std::uint64_t gone = block.mask & ~mask & ~std::uint64_t{0} << begin;
       const std::uint64_t here = gone == 0 ? mask : mask & ((std::uint64_t{1} << std::countr_zero(gone)) - 1);
       const auto before = std::popcount(block.mask & ((std::uint64_t{1} << begin) - 1));
-      const Voxel* const first = packed_.data() + block.sample + before;
+      const PackedVoxel* const first = packed_.data() + block.sample + before;
       part.voxels.insert(part.voxels.end(), first, first + std::popcount(here));
       mask &= ~here;
     }
@@ -168,15 +166,13 @@ class RunBand final : public RowBand {
     values.clear();
   }
 
-  std::vector<Part> parts_;    ///< by region
-  std::vector<Piece> pieces_;  ///< of the row, region by region
-  Buffer<Voxel> packed_;       ///< the row's voxels
+  std::vector<Part> parts_;     ///< by region
+  std::vector<Piece> pieces_;   ///< of the row, region by region
+  Buffer<PackedVoxel> packed_;  ///< the row's voxels
 };
 
 }  // namespace
 
-std::unique_ptr<RowBand> make_run_band(const EncoderFrame& frame) {
-  return make_for_voxels<RowBand, RunBand>(frame.frame.splats.precision, frame);
-}
+std::unique_ptr<RowBand> make_run_band(const EncoderFrame& frame) { return std::make_unique<RunBand>(frame); }
 
 }  // namespace ringsplat

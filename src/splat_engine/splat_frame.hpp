@@ -5,7 +5,7 @@
 #include "frame/frame_geometry.hpp"
 #include "protocol/engine.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
-#include "splat/voxel_run.hpp"
+#include "splat/footprint.hpp"
 #include "volume/slice_dealing.hpp"
 
 namespace ringsplat {
@@ -30,19 +30,5 @@ std::shared_ptr<SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& 
 std::shared_ptr<SplatFrame> make_splat_frame(const FrameSpec& spec, FrameGeometry geometry,
                                              SliceDealing dealing, int renderers,
                                              RegionDealer* dealer = nullptr);
-
-/// Makes a Made<Voxel> for the voxel type of runs of this precision.
-template <class Base, template <class Voxel> class Made, class... Arguments>
-std::unique_ptr<Base> make_for_voxels(Precision precision, const Arguments&... arguments) {
-  switch (precision) {
-    case Precision::half:
-      return std::make_unique<Made<HalfVoxel>>(arguments...);
-    case Precision::u8:
-      return std::make_unique<Made<ByteVoxel>>(arguments...);
-    case Precision::float32:
-      break;
-  }
-  return std::make_unique<Made<FloatVoxel>>(arguments...);
-}
 
 }  // namespace ringsplat

@@ -21,10 +21,7 @@
 namespace ringsplat::app {
 namespace {
 
-/// Left out are other normalisations: none is ever both cheaper and nearer to the requested method's truth
-/// (docs/measured/accuracy.md, "Speed against error").
 constexpr double opaque_thresholds[] = {0, 1.0 / 512, 1.0 / 128, 1.0 / 32};
-constexpr Precision precisions[] = {Precision::float32, Precision::half, Precision::u8};
 /// On the screen only: in the slices' plane a smaller kernel reaches as many pixels.
 constexpr double smaller_radii[] = {1.5, 1.4, 1.2};
 constexpr int samples_of_splats[] = {2, 1};
@@ -95,18 +92,6 @@ const Splats& coarsest(const std::vector<Splats>& all) {
 }
 const Sheets& coarsest(const std::vector<Sheets>& all) { return all.back(); }
 
-std::vector<Splats> with_precisions(const Splats& how, const ErrorBudgetOptions& o) {
-  std::vector<Splats> all{how};
-  if (o.fixed.contains("--precision") || how.payload != PayloadForm::runs) return all;
-  all.clear();
-  for (const Precision precision : precisions) {
-    all.push_back(how);
-    all.back().precision = precision;
-  }
-  return all;
-}
-std::vector<Sheets> with_precisions(const Sheets& how, const ErrorBudgetOptions&) { return {how}; }
-
 /// Appends all that there is to choose from with one engine.
 template <class How>
 void add_candidates(const How& how, const FrameSpec& frame, const ErrorBudgetOptions& o,
@@ -115,8 +100,7 @@ void add_candidates(const How& how, const FrameSpec& frame, const ErrorBudgetOpt
   if (!o.fixed.contains("--opaque-threshold"))
     thresholds.assign(std::begin(opaque_thresholds), std::end(opaque_thresholds));
   const auto add = [&](const How& shape, int undersample) {
-    for (const How& precise : with_precisions(shape, o))
-      for (const double threshold : thresholds) all.push_back({threshold, precise, undersample});
+    for (const double threshold : thresholds) all.push_back({threshold, shape, undersample});
   };
   const std::vector<How> some = shapes(how, frame.shown, o);
   for (const How& shape : some) add(shape, frame.shown.reduction.factor);
@@ -129,7 +113,7 @@ std::string plane_text(ImagePlane plane, double samples) {
 }
 
 std::string method_text(const Splats& s) {
-  return fmt::format("--engine splats --precision {} --radius {}", name(s.precision), s.kernel_radius) +
+  return fmt::format("--engine splats --radius {}", s.kernel_radius) +
          plane_text(s.image_plane, s.plane_samples);
 }
 

@@ -11,9 +11,9 @@ namespace ringsplat::truth {
 ///
 /// Each voxel is classified, shaded, and corrected to 1 − (1 − α)^d for d unit lengths between slices along
 /// the ray. Its kernel is Q², Q = 1 − r², r in kernel radii (Neumann 1992, section 2.2; at least a pixel from
-/// the centre), multiplied as its normalisation says: by 3/(π T²) or its widened equivalent, so that
-/// weights average to one, or by nothing. Each slice of the set most parallel to the view plane is summed at
-/// the pixel's centre, clamped (opacity a to [0, 1], colour to [0, a]) and composited front to back.
+/// the centre), multiplied by 3/(π T²) or its widened equivalent, so that weights average to one. Each
+/// slice of the set most parallel to the view plane is summed at the pixel's centre, clamped (opacity a to
+/// [0, 1], colour to [0, a]) and composited front to back.
 ///
 /// Cost: slices × voxels under one kernel a pixel, plus one classification a voxel; all cores.
 std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> pixels);

@@ -67,7 +67,6 @@ class Method : Tracer {
                             scene.frame.as<Splats>().kernel_radius)),
         distance_(slice_length(rays_.through({0, 0}), axis_)),
         gradients_(scene) {
-    if (scene.frame.as<Splats>().normalisation == Normalisation::none) kernel_.weight = 1;
     slice_.resize(std::size_t(scene.grid.dims[u_]) * std::size_t(scene.grid.dims[v_]));
   }
 

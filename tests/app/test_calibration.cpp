@@ -190,7 +190,6 @@ TEST_CASE("a calibration's key holds all that its measurements depend on") {
       {"fixed slabs", [](Asked& a) { a.options.budget.fixed = {"--slabs"}; }},
       {"fixed light points", [](Asked& a) { a.options.budget.fixed = {"--light-points"}; }},
       {"fixed radius", [](Asked& a) { a.options.budget.fixed = {"--radius"}; }},
-      {"fixed precision", [](Asked& a) { a.options.budget.fixed = {"--precision"}; }},
       {"GPs", [](Asked& a) { ++a.layout.gps; }},
       {"Renderers", [](Asked& a) { ++a.layout.renderers; }},
       {"colocated", [](Asked& a) { a.layout.placement = Placement::colocated; }},

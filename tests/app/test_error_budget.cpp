@@ -106,22 +106,18 @@ TEST_CASE("only what the user left open is to be chosen") {
   const auto all = candidates(frame, {});
   CHECK(all.front() == Shortcuts{0, frame.how});
   // Four radii on the screen, two kinds of the slices' plane, two levels in the coarser one.
-  CHECK(all.size() == 4 * 3 * (4 + 2 + 2));
+  CHECK(all.size() == 4 * (4 + 2 + 2));
   ErrorBudgetOptions options;
-  options.fixed = {"--radius", "--precision", "--opaque-threshold", "--image-plane", "--undersample"};
+  options.fixed = {"--radius", "--opaque-threshold", "--image-plane", "--undersample"};
   frame.as<Splats>().kernel_radius = 1.3;
-  frame.as<Splats>().precision = Precision::half;
   frame.shown.opaque_threshold = 0.25;
   CHECK(candidates(frame, options) == std::vector{Shortcuts{0.25, frame.how}});
   options.fixed.erase("--opaque-threshold");
   CHECK(candidates(frame, options).size() == 4);
   FrameSpec words;
   words.as<Splats>().payload = PayloadForm::words;
-  for (const Shortcuts& s : candidates(words, {})) {
-    const Splats how = with(words, s).as<Splats>();
-    CHECK(how.precision == Precision::float32);
-    CHECK(how.payload == PayloadForm::words);
-  }
+  for (const Shortcuts& s : candidates(words, {}))
+    CHECK(with(words, s).as<Splats>().payload == PayloadForm::words);
 }
 
 TEST_CASE("a fixed image plane or level is the only one") {
@@ -203,11 +199,10 @@ TEST_CASE("a budget that is free to choose the engine has both engines' settings
 }
 
 TEST_CASE("a setting's text is the options that make it") {
-  CHECK(to_text({0, Splats{}}) == "--opaque-threshold 0 --engine splats --precision float --radius 1.6");
-  CHECK(
-      to_text({0, Splats{.image_plane = ImagePlane::slices, .plane_samples = 2}, 2}) ==
-      "--opaque-threshold 0 --engine splats --precision float --radius 1.6 --image-plane slices --samples 2 "
-      "--undersample 2");
+  CHECK(to_text({0, Splats{}}) == "--opaque-threshold 0 --engine splats --radius 1.6");
+  CHECK(to_text({0, Splats{.image_plane = ImagePlane::slices, .plane_samples = 2}, 2}) ==
+        "--opaque-threshold 0 --engine splats --radius 1.6 --image-plane slices --samples 2 "
+        "--undersample 2");
   CHECK(to_text({0.25, Sheets{.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 3}}) ==
         "--opaque-threshold 0.25 --engine sheets --slabs 3 --light-points 2 --image-plane slices --samples "
         "1.5");
@@ -254,13 +249,12 @@ TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", 
   CHECK(w.calibrations() == 1);
   // The tightest leaves the exact setting.
   CHECK(w.frame().at("settings").at("radius") == 1.6);
-  CHECK(w.frame().at("settings").at("precision") == "float");
-  CHECK_THAT(ended.out, Catch::Matchers::Contains("--precision float --radius 1.6"));
+  CHECK_THAT(ended.out, Catch::Matchers::Contains("--radius 1.6"));
 }
 
 TEST_CASE("a budget against the field is another one than against the method", "[mpi]") {
   const Workshop w;
-  const Words splats{"--max-error", "2", "--precision", "float", "--opaque-threshold", "0"};
+  const Words splats{"--max-error", "2", "--image-plane", "screen", "--opaque-threshold", "0"};
   REQUIRE(calibrated(w.render(splats)));
   CHECK(w.frame().at("error").at("truth") == "method");
   Words field = joined(splats, {"--error", "field"});
@@ -297,27 +291,26 @@ TEST_CASE("a budget that cannot be kept ends the run before a picture, with one 
                               Catch::Matchers::Contains("hint:"));
     CHECK_FALSE(fs::exists(w / "x.exr"));
   }
-  // With --precision u8 fixed, the eight bits are to blame.
-  const Ended fixed = w.render({"--max-error", "0.01", "--precision", "u8"});
+  // With the slices' plane fixed, that is to blame.
+  const Ended fixed = w.render({"--max-error", "0.0001", "--image-plane", "slices"});
   CHECK(fixed.code == 2);
-  CHECK_THAT(fixed.err, Catch::Matchers::Contains("leave out --precision"));
+  CHECK_THAT(fixed.err, Catch::Matchers::Contains("leave out --image-plane"));
   // What the hint allows is kept.
   const std::string allow = "allow --max-error ";
   REQUIRE_THAT(fixed.err, Catch::Matchers::Contains(allow));
   std::string budget;
   std::istringstream(fixed.err.substr(fixed.err.find(allow) + allow.size())) >> budget;
   INFO(fixed.err);
-  CHECK(w.render({"--max-error", budget, "--precision", "u8"}).code == 0);
+  CHECK(w.render({"--max-error", budget, "--image-plane", "slices"}).code == 0);
 }
 
 TEST_CASE("what the user gives is kept, and the error is against what the user asked for", "[mpi]") {
   const Workshop w;
-  REQUIRE(w.render({"--max-error", "5", "--radius", "1.5", "--precision", "half", "--opaque-threshold", "0",
-                    "--image-plane", "screen", "--undersample", "1"})
+  REQUIRE(w.render({"--max-error", "5", "--radius", "1.5", "--opaque-threshold", "0", "--image-plane",
+                    "screen", "--undersample", "1"})
               .code == 0);
   const json settings = w.frame().at("settings");
   CHECK(settings.at("radius") == 1.5);
-  CHECK(settings.at("precision") == "half");
   CHECK(settings.at("opaque_threshold") == 0);
   // The truth has the same radius; against the default radius the error is above 0.2.
   CHECK(w.frame().at("error").at("rmse").get<double>() < 0.01);

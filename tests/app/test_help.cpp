@@ -53,7 +53,7 @@ TEST_CASE("--help of a subcommand with many options fits a screen, and says how 
       if (subcommand != std::string("info")) CHECK_THAT(help, Contains(everyday));
     if (subcommand == std::string("render") || subcommand == std::string("serve"))
       CHECK_THAT(help, Contains("--threads-per-rank"));
-    for (const char* rare : {"--look-ahead", "--normalisation", "--link-slots"}) {
+    for (const char* rare : {"--look-ahead", "--radius", "--link-slots"}) {
       CHECK_THAT(help, !Contains(rare));
       if (subcommand == std::string("render")) CHECK_THAT(all, Contains(rare));
     }

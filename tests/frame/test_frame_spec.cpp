@@ -44,7 +44,6 @@ FrameSpec unusual_spec() {
   spec.shown.material = {.ambient = 0.125, .diffuse = 0.5, .specular = 0.75, .exponent = 3};
   spec.shown.light = {1, 2, 3};
   spec.as<Splats>().kernel_radius = 1.25;
-  spec.as<Splats>().normalisation = Normalisation::none;
   spec.shown.opacity_correction = false;
   spec.shown.opaque_threshold = 0;
   spec.shown.reduction = {.factor = 2, .prefilter = true};
@@ -52,7 +51,6 @@ FrameSpec unusual_spec() {
   spec.shown.clip_planes = {{{1, -2, 0.5}, 12.5}};
   spec.shown.edges = EdgeOpacity{0.5, 20};
   spec.as<Splats>().payload = PayloadForm::words;
-  spec.as<Splats>().precision = Precision::u8;
   return spec;
 }
 
@@ -76,9 +74,9 @@ TEST_CASE("bytes that are no frame announcement are refused, whatever their leng
   CHECK(method_of(whole) == "splats");
   for (const Bytes& other : {Bytes(), Bytes(whole.size(), std::byte{7})})
     REQUIRE_THROWS_AS(method_of(other), RunError);
-  for (const int unknown : {-1, 3, 1 << 30}) {
+  for (const int unknown : {-1, 2, 1 << 30}) {
     FrameSpec odd = unusual_spec();
-    odd.as<Splats>().precision = static_cast<Precision>(unknown);
+    odd.as<Splats>().payload = static_cast<PayloadForm>(unknown);
     REQUIRE_THROWS_AS(decode_frame_spec(encode(odd)), RunError);
   }
 }

@@ -19,10 +19,7 @@ FrameSpec small_frame(unsigned choice) {
   spec.division.region_size = 16;
   spec.shown.transfer_function = test::ramp(20, 255, 0.9);
   spec.division.dealt_to = small_renderers;
-  if (choice % 4 == 3)
-    spec.as<Splats>().payload = PayloadForm::words;
-  else
-    spec.as<Splats>().precision = static_cast<Precision>(choice % 4);
+  if (choice % 4 == 3) spec.as<Splats>().payload = PayloadForm::words;
   switch (choice / 4 % 4) {
     case 1:
       spec.as<Splats>().image_plane = ImagePlane::slices;
@@ -36,7 +33,6 @@ FrameSpec small_frame(unsigned choice) {
       spec.division.region_size = 37;
       break;
     default:
-      spec.as<Splats>().normalisation = Normalisation::none;
       spec.shown.opaque_threshold = 0.1;
   }
   return spec;

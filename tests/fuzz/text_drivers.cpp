@@ -124,9 +124,7 @@ std::vector<Input> path_seeds() {
 }
 
 std::vector<app::Shortcuts> calibrated() {
-  Splats half;
-  half.precision = Precision::half;
-  return {{}, {.how = half, .undersample = 2}, {.how = Sheets{}}};
+  return {{}, {.how = Splats{.kernel_radius = 1.4}, .undersample = 2}, {.how = Sheets{}}};
 }
 
 void run_calibration(std::span<const std::byte> input) {

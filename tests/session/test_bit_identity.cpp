@@ -44,28 +44,6 @@ TEST_CASE("Renderers without a region get no token, and whoever draws, the bits 
   }
 }
 
-TEST_CASE("raw kernels have the same bits on any ranks, with regions of any size and in any order") {
-  const auto source = synth_source("jack", make_grid({23, 27, 20}));
-  const Image usual = render_loopback(*source, oblique_view(96, 80, 24), 1, 1).image;
-  FrameSpec spec = oblique_view(96, 80, 24);
-  spec.as<Splats>().normalisation = Normalisation::none;
-  CHECK(decode_frame_spec(encode(spec)).as<Splats>().normalisation == Normalisation::none);
-  spec.division.region_size = 4096;
-  const Image alone = render_loopback(*source, spec, 1, 1).image;
-  REQUIRE(alone != usual);  // the option has an effect
-  REQUIRE(largest_difference(alone, usual) < 0.7);
-  for (const int region : {17, 64}) {
-    spec.division.region_size = region;
-    for (const int gps : {1, 3, 8})
-      for (const int renderers : {1, 2, 5}) {
-        const LoopbackOptions loopback{
-            .seed = std::uint64_t(gps * renderers), .reorder = true, .max_delay = 5};
-        INFO(fmt::format("regions of {}, {} GPs, {} Renderers", region, gps, renderers));
-        REQUIRE(render_loopback(*source, spec, gps, renderers, loopback).image == alone);
-      }
-  }
-}
-
 TEST_CASE("the image has the same bits whatever the order and delay of messages") {
   const auto source = synth_source("jack", make_grid({17, 15, 16}));
   FrameSpec spec = oblique_view(96, 80, 24);

@@ -79,14 +79,8 @@ TEST_CASE("rows are cut into bands of about as many voxels") {
 
 TEST_CASE("payloads are the same bytes whatever the number of threads", "[threads]") {
   const auto source = synth_source("ball", make_grid({70, 61, 24}));
-  struct Form {
-    PayloadForm form;
-    Precision precision;
-  };
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
-    for (const auto& [form, precision] :
-         {Form{PayloadForm::words, Precision::float32}, Form{PayloadForm::runs, Precision::float32},
-          Form{PayloadForm::runs, Precision::half}, Form{PayloadForm::runs, Precision::u8}})
+    for (const PayloadForm form : {PayloadForm::words, PayloadForm::runs})
       for (const int region : {40, 4096})
         for (const double zoom : {1.2, 8.0}) {
           FrameSpec spec = oblique_view(300, 280, 32);
@@ -94,12 +88,11 @@ TEST_CASE("payloads are the same bytes whatever the number of threads", "[thread
           spec.shown.width = spec.shown.height = 700;
           spec.as<Splats>().image_plane = plane;
           spec.as<Splats>().payload = form;
-          spec.as<Splats>().precision = precision;
           spec.division.region_size = region;
           const auto alone = encode_all(*source, spec, 3, 1);
           for (const int threads : {2, 3, 8}) {
-            INFO(fmt::format("plane {}, form {}, precision {}, regions of {}, zoom {}, {} threads",
-                             int(plane), int(form), int(precision), region, zoom, threads));
+            INFO(fmt::format("plane {}, form {}, regions of {}, zoom {}, {} threads", int(plane), int(form),
+                             region, zoom, threads));
             const auto shared = encode_all(*source, spec, 3, threads);
             REQUIRE(shared.size() == alone.size());
             std::uint64_t visible = 0;
@@ -152,17 +145,17 @@ TEST_CASE("the image and the counts are the same whatever the number of threads"
 TEST_CASE("threads keep the bits on any layout, with messages in any order", "[threads]") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
-    for (const auto precision : {Precision::float32, Precision::half, Precision::u8}) {
+    for (const PayloadForm form : {PayloadForm::words, PayloadForm::runs}) {
       FrameSpec spec = oblique_view(300, 280, 32);
       spec.as<Splats>().image_plane = plane;
-      spec.as<Splats>().precision = precision;
+      spec.as<Splats>().payload = form;
       const auto alone = render_loopback(*source, spec, 1, 1);
       REQUIRE(brightest(alone.image) > 0.1F);
       for (const int threads : team_sizes)
         for (const auto& [gps, renderers] : {std::pair{1, 1}, {3, 2}, {2, 5}})
           for (const auto placement : {Placement::dedicated, Placement::colocated}) {
-            INFO(fmt::format("plane {}, precision {}, {} threads, {} GPs, {} Renderers, {}", int(plane),
-                             int(precision), threads, gps, renderers,
+            INFO(fmt::format("plane {}, form {}, {} threads, {} GPs, {} Renderers, {}", int(plane), int(form),
+                             threads, gps, renderers,
                              placement == Placement::dedicated ? "dedicated" : "colocated"));
             const auto shared = render_loopback(*source, spec, gps, renderers, shuffled(threads), placement,
                                                 {}, {.threads_per_rank = threads});

@@ -73,8 +73,8 @@ void add(DrawCounts& sum, const DrawCounts& counts) {
   sum.clipped += counts.clipped;
 }
 
-FloatVoxel packed(const VoxelColour& voxel) {
-  FloatVoxel to{{}, {voxel.red, voxel.green, voxel.blue}};
+PackedVoxel packed(const VoxelColour& voxel) {
+  PackedVoxel to{{}, {voxel.red, voxel.green, voxel.blue}};
   std::memcpy(to.opacity, &voxel.opacity, sizeof to.opacity);
   return to;
 }
@@ -82,7 +82,7 @@ FloatVoxel packed(const VoxelColour& voxel) {
 /// The runs' voxels by row and 64 columns, as payloads have them.
 struct Block {
   VoxelRun where;
-  std::vector<FloatVoxel> voxels;
+  std::vector<PackedVoxel> voxels;
 };
 std::vector<Block> to_blocks(const std::vector<Row>& runs) {
   std::vector<Block> blocks;

@@ -21,14 +21,13 @@ std::array<float, 4> premultiplied(const VoxelColour& voxel, double weight) {
   return {float(voxel.red) * scale, float(voxel.green) * scale, float(voxel.blue) * scale, opacity};
 }
 
-template <class Voxel>
-std::vector<Voxel> random_voxels(std::size_t count, std::mt19937& random) {
+std::vector<PackedVoxel> random_voxels(std::size_t count, std::mt19937& random) {
   std::uniform_real_distribution<float> share(0, 1);
   std::vector<float> rgba(4 * count);
   for (float& value : rgba) value = share(random);
   std::fill_n(rgba.begin(), 4, 0.0F);
   std::fill_n(rgba.begin() + 4, 4, 1.0F);
-  std::vector<Voxel> voxels(count);
+  std::vector<PackedVoxel> voxels(count);
   pack(rgba.data(), count, voxels.data());
   return voxels;
 }
@@ -59,12 +58,11 @@ struct OneRow {
   }
 };
 
-template <class Voxel>
-DrawnBlocks place_block(std::uint64_t mask, const std::vector<Voxel>& voxels, int step, OneRow& row) {
+DrawnBlocks place_block(std::uint64_t mask, const std::vector<PackedVoxel>& voxels, int step, OneRow& row) {
   const VoxelRun block{0, 0, mask};
   VoxelRows to = row.places();
   return place_voxels(slice_of(step), to,
-                      VoxelRuns<Voxel>{reinterpret_cast<const std::byte*>(&block), 1, voxels.data()}, 1000);
+                      VoxelRuns{reinterpret_cast<const std::byte*>(&block), 1, voxels.data()}, 1000);
 }
 
 bool is_set(const OneRow& row, int pixel) {
@@ -73,10 +71,9 @@ bool is_set(const OneRow& row, int pixel) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE("voxels go to their places premultiplied, with the same bits by every instruction set", "",
-                   FloatVoxel, HalfVoxel, ByteVoxel) {
+TEST_CASE("voxels go to their places premultiplied, with the same bits by every instruction set") {
   std::mt19937 random(5);
-  const auto voxels = random_voxels<TestType>(64, random);
+  const auto voxels = random_voxels(64, random);
   for (const int step : {1, 2, 4}) {
     for (const std::uint64_t mask : {~std::uint64_t{0}, std::uint64_t{1} << 63, std::uint64_t{0b1011},
                                      (std::uint64_t(random()) << 32) | random() | 3}) {
@@ -95,7 +92,7 @@ TEMPLATE_TEST_CASE("voxels go to their places premultiplied, with the same bits 
         use_vector_target(target);
         INFO(target << ", " << step << " pixels a voxel, mask " << mask);
         // No more than the mask's voxels may be read: a sanitizer would tell.
-        const std::vector<TestType> given(voxels.begin(), voxels.begin() + std::popcount(mask));
+        const std::vector<PackedVoxel> given(voxels.begin(), voxels.begin() + std::popcount(mask));
         OneRow row;
         const DrawnBlocks placed = place_block(mask, given, step, row);
         CHECK(placed.counts.drawn == given.size());
@@ -110,7 +107,7 @@ TEMPLATE_TEST_CASE("voxels go to their places premultiplied, with the same bits 
 TEST_CASE("a voxel whose opacity no footprint gives goes to its place as nothing") {
   for (const float opacity : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                               -std::numeric_limits<float>::infinity(), 1e30F}) {
-    FloatVoxel voxel{{}, {65535, 1, 2}};
+    PackedVoxel voxel{{}, {65535, 1, 2}};
     std::memcpy(voxel.opacity, &opacity, sizeof opacity);
     for (const auto& target : vector_targets()) {
       use_vector_target(target);
@@ -124,14 +121,13 @@ TEST_CASE("a voxel whose opacity no footprint gives goes to its place as nothing
 
 TEST_CASE("placing stops behind the block that has the last voxel asked for") {
   std::mt19937 random(7);
-  const auto voxels = random_voxels<FloatVoxel>(12, random);
+  const auto voxels = random_voxels(12, random);
   const std::array<VoxelRun, 3> blocks{{{0, 0, 0xF}, {0, 64, 0xF}, {0, 128, 0xF}}};
   for (const auto& [most, expected] : {std::pair{1, 1}, std::pair{4, 1}, std::pair{5, 2}, std::pair{99, 3}}) {
     OneRow row;
     VoxelRows to = row.places();
     const DrawnBlocks placed = place_voxels(
-        slice_of(1), to,
-        VoxelRuns<FloatVoxel>{reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
+        slice_of(1), to, VoxelRuns{reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
         std::uint64_t(most));
     CHECK(placed.blocks == std::uint32_t(expected));
     CHECK(placed.counts.drawn + placed.counts.clipped == 4 * std::uint64_t(expected));

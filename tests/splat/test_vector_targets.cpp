@@ -89,41 +89,22 @@ TEST_CASE("an unknown instruction set leaves the best one in use", "[painter][ve
 TEST_CASE("voxels are packed to the nearest", "[payload]") {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> share(0.0F, 1.0F);
-  // Ends, halves' ties and subnormals, what rounds to 1, and anything between.
-  std::vector<float> rgba{0.0F,       1.0F,        0.5F,        1.0F / 255,    0x1p-14F, 0x1p-25F,
-                          0x1.8p-25F, 0x1.802p-2F, 0x1.806p-2F, 0x1.ffffp-15F, 1e-30F,   0.99999994F};
+  // Ends, what rounds to 0 or to 1, and anything between.
+  std::vector<float> rgba{0.0F, 1.0F, 0.5F, 1.0F / 255, 0x1p-25F, 1e-30F, 0.99999994F};
   for (int k = 0; k < 4000; ++k)
     rgba.push_back(k % 3 == 0 ? std::ldexp(share(random), -int(random() % 30)) : share(random));
   const std::size_t most = rgba.size() / 4;
   for (const std::size_t count : {std::size_t{0}, std::size_t{1}, std::size_t{2}, most - 1, most}) {
-    std::vector<FloatVoxel> floats(most + 1, FloatVoxel{{7, 7}, {7, 7, 7}});
-    std::vector<HalfVoxel> halves(most + 1, HalfVoxel{{7, 7, 7, 7}});
-    std::vector<ByteVoxel> bytes(most + 1, ByteVoxel{{7, 7, 7, 7}});
-    pack(rgba.data(), count, floats.data());
-    pack(rgba.data(), count, halves.data());
-    pack(rgba.data(), count, bytes.data());
+    std::vector<PackedVoxel> packed(most + 1, PackedVoxel{{7, 7}, {7, 7, 7}});
+    pack(rgba.data(), count, packed.data());
     for (std::size_t k = 0; k < count; ++k) {
       const float* in = rgba.data() + 4 * k;
-      const VoxelColour exact = unpack(floats[k]);
+      const VoxelColour exact = unpack(packed[k]);
       CHECK((exact.red == quantise_colour(in[0]) && exact.green == quantise_colour(in[1]) &&
              exact.blue == quantise_colour(in[2])));
       CHECK(exact.opacity == in[3]);
-      for (int i = 0; i < 4; ++i) {
-        // The nearest of the neighbouring halves, of two the even one.
-        const float half = glm::unpackHalf1x16(halves[k].rgba[i]);
-        const float below = halves[k].rgba[i] == 0
-                                ? half
-                                : glm::unpackHalf1x16(std::uint16_t(halves[k].rgba[i] - 1)),
-                    above = glm::unpackHalf1x16(std::uint16_t(halves[k].rgba[i] + 1));
-        const bool even = halves[k].rgba[i] % 2 == 0;
-        const float error = std::abs(half - in[i]);
-        CHECK((even ? error <= std::abs(below - in[i]) || below == half : error < std::abs(below - in[i])));
-        CHECK((even ? error <= std::abs(above - in[i]) : error < std::abs(above - in[i])));
-        CHECK(std::abs(double(bytes[k].rgba[i]) - 255.0 * double(in[i])) <= 0.5 + 1e-4);
-      }
     }
     // Nothing is written behind the last voxel.
-    CHECK((floats[count].opacity[0] == 7 && floats[count].rgb[2] == 7));
-    CHECK((halves[count].rgba[0] == 7 && bytes[count].rgba[0] == 7));
+    CHECK((packed[count].opacity[0] == 7 && packed[count].rgb[2] == 7));
   }
 }

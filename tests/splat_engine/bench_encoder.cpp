@@ -1,7 +1,7 @@
 // Times a GP's and a Renderer's part of a frame alone: encodes all slices of a volume for one Renderer, with
 // the news of opaque tiles of a real run, and draws them, for an orbit of views. Prints medians over the
 // views of the best of several repetitions, in milliseconds of thread time.
-//   bench_encoder VOLUME TRANSFER-FUNCTION [float|half|u8|words] [repetitions]
+//   bench_encoder VOLUME TRANSFER-FUNCTION [runs|words] [repetitions]
 #include <time.h>
 
 #include <algorithm>
@@ -117,8 +117,6 @@ FrameSpec orbit_from(const std::string& form, const std::string& transfer_functi
   spec.shown.camera.elevation = 25;
   spec.shown.transfer_function = preset(transfer_function, histogram);
   if (form == "words") spec.as<Splats>().payload = PayloadForm::words;
-  if (form == "half") spec.as<Splats>().precision = Precision::half;
-  if (form == "u8") spec.as<Splats>().precision = Precision::u8;
   return spec;
 }
 
@@ -127,7 +125,7 @@ FrameSpec orbit_from(const std::string& form, const std::string& transfer_functi
 int main(int argc, char** argv) try {
   if (argc < 3)
     throw std::invalid_argument(
-        "usage: bench_encoder VOLUME TRANSFER-FUNCTION [float|half|u8|words] [repetitions] [slices]");
+        "usage: bench_encoder VOLUME TRANSFER-FUNCTION [runs|words] [repetitions] [slices]");
   SoloCollectives solo;
   OpenedVolume volume = open_everywhere(solo, [&] { return open_volume(argv[1]); });
   const Scene scene = load_scene(volume, {}, Layout{1, 1, Placement::dedicated}, {solo});

@@ -95,7 +95,7 @@ std::set<std::size_t> run_groups(const Bytes& body) {
   while (offset < body.size()) {
     begins.insert(offset);
     const auto group = at<BlockGroup>(body, offset);
-    offset += sizeof group + group.blocks * sizeof(VoxelRun) + group.voxels * sizeof(FloatVoxel);
+    offset += sizeof group + group.blocks * sizeof(VoxelRun) + group.voxels * sizeof(PackedVoxel);
   }
   begins.insert(offset);
   return begins;

@@ -39,43 +39,6 @@ TEST_CASE("runs of voxels draw the same bits as the paper's words, in less than 
   }
 }
 
-TEST_CASE("fewer bytes a voxel cost a known error") {
-  const auto source = synth_source("ball", make_grid({33, 27, 30}));
-  FrameSpec spec = solid_view();
-  spec.shown.opaque_threshold = 0;
-  const auto exact = render_loopback(*source, spec, 2, 2);
-  spec.as<Splats>().precision = Precision::half;
-  const auto half = render_loopback(*source, spec, 2, 2);
-  spec.as<Splats>().precision = Precision::u8;
-  const auto bytes = render_loopback(*source, spec, 2, 2);
-  CHECK(payload_bytes(half) < payload_bytes(exact));
-  CHECK(payload_bytes(bytes) < payload_bytes(half));
-  const double half_error = largest_difference(half.image, exact.image),
-               byte_error = largest_difference(bytes.image, exact.image);
-  CHECK(half_error > 0);
-  // Half precision keeps 11 bits of each voxel's colour and opacity.
-  CHECK(half_error < 1.0 / 1024);
-  CHECK(byte_error > half_error);
-  CHECK(byte_error < 2.0 / 255);
-  CHECK(render_loopback(*source, spec, 5, 3).image == bytes.image);
-}
-
-TEST_CASE("opacities too faint for a byte vanish, and half precision keeps them") {
-  const auto source = synth_source("constant", make_grid({8, 8, 200}));
-  FrameSpec spec;
-  spec.shown.camera = {.elevation = 90};
-  spec.shown.width = spec.shown.height = 64;
-  spec.shown.shading = Shading::none;
-  spec.shown.transfer_function = constant_opacity(1e-4);
-  const Image exact = render_loopback(*source, spec, 1, 1).image;
-  REQUIRE(*std::max_element(exact.rgba.begin(), exact.rgba.end()) > 0.015F);
-  spec.as<Splats>().precision = Precision::half;
-  CHECK(largest_difference(render_loopback(*source, spec, 1, 1).image, exact) < 0.02 / 2048);
-  spec.as<Splats>().precision = Precision::u8;
-  const Image bytes = render_loopback(*source, spec, 1, 1).image;
-  CHECK(*std::max_element(bytes.rgba.begin(), bytes.rgba.end()) == 0.0F);
-}
-
 TEST_CASE(
     "opaque pixels: GPs leave out what they hide, and the bits do not depend on when they learn of it") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));

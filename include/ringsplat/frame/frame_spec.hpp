@@ -22,19 +22,9 @@ enum class Shading { none, phong };
 enum class Interpolation { linear, nearest };
 const char* name(Interpolation interpolation);
 
-/// What divides the kernels' weights.
-enum class Normalisation {
-  none,     ///< nothing: Q² as it is, which makes opacities π radius² / 3 times too large on the average
-  constant  ///< the mean of the lattice's sum of weights; what is left is the kernel's ripple
-};
-std::string name(Normalisation normalisation);
-
 /// How splats travel from GPs to Renderers: the paper's six words each, or runs of voxels whose positions
-/// follow from the view.
+/// follow from the view; the same bits.
 enum class PayloadForm { words, runs };
-/// Precision of colours and opacities in runs: 10, 8 or 4 bytes a voxel. float32 draws the same bits as
-/// words.
-enum class Precision { float32, half, u8 };
 
 /// Where Renderers' regions lie: on the screen, as in the paper; or in the plane of the traversed slices,
 /// sheared along the rays; the frame buffer then warps that image once into the picture (Lacroute and Levoy
@@ -102,9 +92,7 @@ struct Splats {
   ImagePlane image_plane = ImagePlane::screen;
   int plane_samples = 1;       ///< in the slices' plane: most pixels a voxel along either axis
   double kernel_radius = 1.6;  ///< in lattice distances
-  Normalisation normalisation = Normalisation::constant;
   PayloadForm payload = PayloadForm::runs;
-  Precision precision = Precision::float32;
   bool operator==(const Splats&) const = default;
 };
 
@@ -165,7 +153,7 @@ struct FrameSpec {
 };
 
 /// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
-/// zero, a threshold outside [0, 1), words with less than float precision, a projection, a mode, clip
+/// zero, a threshold outside [0, 1), a projection, a mode, clip
 /// planes, edges or tints that the method has not.
 void check(const FrameSpec& spec);
 /// Throws InputError when the method cannot draw the camera's kind of view.
