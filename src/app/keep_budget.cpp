@@ -19,16 +19,10 @@ std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double
   };
   note("--opaque-threshold", frame.shown.opaque_threshold > 0);
   note("--undersample", frame.shown.reduction.factor > 1);
-  std::visit(
-      [&](const auto& how) {
-        note("--image-plane", how.image_plane == ImagePlane::slices);
-        if constexpr (std::is_same_v<std::decay_t<decltype(how)>, Sheets>) {
-          note("--slabs", how.slabs < Sheets::most_slabs);
-          note("--light-points", how.light_points < 2);
-        }
-      },
-      frame.how);
-  if (o.fixed.contains("--engine")) fixed.emplace_back("the choice of an engine");
+  const auto& how = frame.as<Sheets>();
+  note("--image-plane", how.image_plane == ImagePlane::slices);
+  note("--slabs", how.slabs < Sheets::most_slabs);
+  note("--light-points", how.light_points < 2);
   const std::string larger = fmt::format("allow --max-error {:.2g}", 1.1 * best);
   return fixed.empty() ? larger : fmt::format("leave out {}, or {}", joined(fixed, " and "), larger);
 }

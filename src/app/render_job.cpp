@@ -100,19 +100,13 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Came
                                   const Grid& grid, Launch& launch) {
   if (o.keep_all_axes || o.path == "-") return {true, true, true};
   std::array<bool, 3> axes{};
-  if (launch.rank() == 0) axes = needed_axes(o.frame, cameras, grid, o.budget.other_engine);
+  if (launch.rank() == 0) axes = needed_axes(o.frame, cameras, grid);
   return launch.of_rank_0(axes);
 }
 
 /// What these options need loaded when the views traverse `axes`.
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load = needed_along(o.frame, axes);
-  if (o.budget.other_engine) {
-    FrameSpec other = o.frame;
-    other.how = *o.budget.other_engine;
-    load.with_normals |= needs_normals(other);
-    load.with_cell_ranges |= needs_cell_ranges(other);
-  }
   if (o.budget.max_error && !o.budget.fixed.contains("--undersample")) load.factors = levels_to_choose_from();
   return load;
 }

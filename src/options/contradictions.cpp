@@ -193,13 +193,6 @@ bool has(const OptionList& list, const Which& which) {
   return std::any_of(list.begin(), list.end(), [&](const Option& option) { return means(which, option); });
 }
 
-bool engine_is_chosen(const OptionList& list) {
-  const auto is_given = [&](const Which& which) { return find_given(list, which) != nullptr; };
-  return list.is_given("--engine") || list.is_given("--quality") ||
-         std::any_of(only_splats.begin(), only_splats.end(), is_given) ||
-         std::any_of(only_sheets.begin(), only_sheets.end(), is_given);
-}
-
 void refuse_contradictions(const OptionList& list) {
   for (const Rule& rule : rules())
     for (const Which& which : rule.options)

@@ -46,8 +46,6 @@ std::span<const Rule> rules();
 bool means(const Which& which, const Option& option);
 /// True when the list has an option that `which` means.
 bool has(const OptionList& list, const Which& which);
-/// True when the user has chosen the engine, if only by an option of one engine.
-bool engine_is_chosen(const OptionList& list);
 
 /// Throws InputError, with the way out as hint, when what is given breaks a rule.
 void refuse_contradictions(const OptionList& list);

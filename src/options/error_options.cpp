@@ -40,24 +40,6 @@ void settle_mode(const OptionList& list, RenderOptions& o) {
   if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
 }
 
-/// Which engines a budget is to be kept with.
-void settle_engines(const OptionList& list, RenderOptions& o) {
-  // A method's truth is its own, so that only the field's tells which engine is nearer.
-  o.budget.to_field = o.budget.max_error && *o.error.truth != TruthKind::method;
-  if (!o.budget.to_field) return;
-  if (engine_is_chosen(list)) {
-    o.budget.fixed.emplace("--engine");
-    return;
-  }
-  const Shown& shown = o.frame.shown;
-  const bool only_sheets = shown.camera.fov > 0 || !shown.clip_planes.empty() || shown.edges ||
-                           o.colour.mode != Mode::composite || o.volume.mask.covered != Covered::alone;
-  if (only_sheets) return;
-  MethodOptions other = o.method;
-  other.engine = Engine::splats;
-  o.budget.other_engine = method_for(other);
-}
-
 }  // namespace
 
 void add_error_options(OptionList& list, RenderOptions& o) {
@@ -75,10 +57,10 @@ void add_error_options(OptionList& list, RenderOptions& o) {
        "unless --error-pixels says how many",
        value(o.error.map), Mark::of_program},
       {"--max-error", "RMSE", nullptr,
-       "Choose the cheapest --opaque-threshold, --radius, --slabs, --light-points, "
-       "--image-plane and --undersample whose RMSE against the method's truth stays within this, in 1/255; "
-       "with --error field or certified against the field's, and --engine, too; those given are kept",
-       parsed(o.budget.max_error, parse_error)},
+       "Choose the cheapest --opaque-threshold, --slabs, --light-points, --image-plane and --undersample "
+       "whose RMSE against the method's truth stays within this, in 1/255; with --error field or certified "
+       "against the field's; those given are kept",
+       parsed(o.budget.max_error, parse_error), Mark::of_sheets},
       {"--guarantee", nullptr, nullptr,
        "Prove that every pixel errs at most --max-error: those that may err more become the middle of their "
        "bounds",
@@ -113,14 +95,15 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
   o.frame.how = method_for(o.method);
   settle_mode(list, o);
   for (const char* const name :
-       {"--opaque-threshold", "--radius", "--image-plane", "--slabs", "--light-points", "--undersample"})
+       {"--opaque-threshold", "--image-plane", "--slabs", "--light-points", "--undersample"})
     if (o.budget.max_error && list.is_given(name)) o.budget.fixed.emplace(name);
   if (o.error.truth == TruthKind::certified && o.colour.mode == Mode::attenuated)
     throw InputError("--mode attenuated has no certified bounds", "measure it by --error field");
   if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
   o.error.all = o.budget.guarantee || (!o.error.map.empty() && !list.is_given("--error-pixels"));
   if (o.budget.guarantee) o.error.guaranteed = o.budget.max_error;
-  settle_engines(list, o);
+  // More slabs lessen the error against the field alone.
+  o.budget.to_field = o.budget.max_error && *o.error.truth != TruthKind::method;
 }
 
 void note_options_without_effect(const OptionList& list, ReferenceOptions& o) {

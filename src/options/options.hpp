@@ -142,8 +142,6 @@ struct ErrorBudgetOptions {
   bool guarantee = false;            ///< each pixel is to be proved within it
   std::set<std::string> fixed = {};  ///< the options of settings that the user gave, so they are not chosen
   bool to_field = false;             ///< the error is against the field's truth or bounds, not the method's
-  /// What the same options mean for the other engine, where the engine is to be chosen, too.
-  std::optional<Method> other_engine;
 };
 
 struct RenderOptions {

@@ -147,17 +147,11 @@ void require_same_scene(const Grid& grid, const LoadOptions& options, const Layo
                "every process must pass the same grid, options and layout, and run the same build");
 }
 
-std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& cameras, const Grid& grid,
-                                const std::optional<Method>& or_by) {
+std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& cameras, const Grid& grid) {
   std::array<bool, 3> needed{};
-  std::vector<Method> methods{frame.how};
-  if (or_by) methods.push_back(*or_by);
-  for (const Method& how : methods) {
-    frame.how = how;
-    for (const Camera& camera : cameras) {
-      frame.shown.camera = camera;
-      needed[std::size_t(traversed_axis(frame, grid))] = true;
-    }
+  for (const Camera& camera : cameras) {
+    frame.shown.camera = camera;
+    needed[std::size_t(traversed_axis(frame, grid))] = true;
   }
   return needed;
 }

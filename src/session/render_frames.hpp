@@ -114,9 +114,8 @@ inline Director director_of(std::vector<FrameSpec> frames, std::function<void(Fr
   return {next, std::move(frame_done)};
 }
 
-/// Which slice sets a list of views of the frame traverses, drawn by its method or by another one.
-std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& cameras, const Grid& grid,
-                                const std::optional<Method>& or_by = std::nullopt);
+/// Which slice sets a list of views of the frame traverses.
+std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& cameras, const Grid& grid);
 
 /// What has to be loaded for such frames that traverse these axes' slices.
 LoadOptions needed_along(const FrameSpec& spec, const std::array<bool, 3>& axes);

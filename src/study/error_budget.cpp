@@ -22,34 +22,12 @@ namespace ringsplat::app {
 namespace {
 
 constexpr double opaque_thresholds[] = {0, 1.0 / 512, 1.0 / 128, 1.0 / 32};
-/// On the screen only: in the slices' plane a smaller kernel reaches as many pixels.
-constexpr double smaller_radii[] = {1.5, 1.4, 1.2};
-constexpr int samples_of_splats[] = {2, 1};
-constexpr double samples_of_sheets[] = {2, 1.5, 1};
+constexpr double samples_to_choose_from[] = {2, 1.5, 1};
 constexpr int undersampling[] = {2, 4};
 /// More than these are below what light points err, and in the slices' plane below what the warp errs.
 constexpr int exact_slabs = 4, slabs_in_slices_plane = 2;
 
 constexpr double same_time = 1.03;
-
-/// `how` as it is, with smaller kernels, and in coarser planes.
-std::vector<Splats> shapes(const Splats& how, const Shown&, const ErrorBudgetOptions& o) {
-  std::vector<Splats> all{how};
-  if (!o.fixed.contains("--radius") && how.image_plane == ImagePlane::screen) {
-    for (const double radius : smaller_radii) {
-      if (radius >= how.kernel_radius) continue;
-      all.push_back(how);
-      all.back().kernel_radius = radius;
-    }
-  }
-  for (const int samples : samples_of_splats) {
-    if (o.fixed.contains("--image-plane")) break;
-    all.push_back(how);
-    all.back().image_plane = ImagePlane::slices;
-    all.back().plane_samples = samples;
-  }
-  return all;
-}
 
 /// `how` as it is, then with two slabs, with one light point, and with one slab. Only the field's truth has
 /// an error that more slabs lessen; and only on the screen, as a warp errs more.
@@ -74,7 +52,7 @@ std::vector<Sheets> fewer_slabs(const Sheets& how, const Shown& shown, const Err
 /// `how` as it is and with other slabs, also in coarser planes; the coarsest comes last.
 std::vector<Sheets> shapes(const Sheets& how, const Shown& shown, const ErrorBudgetOptions& o) {
   std::vector<Sheets> all = fewer_slabs(how, shown, o);
-  for (const double samples : samples_of_sheets) {
+  for (const double samples : samples_to_choose_from) {
     if (o.fixed.contains("--image-plane")) break;
     Sheets flat = how;
     flat.image_plane = ImagePlane::slices;
@@ -84,42 +62,6 @@ std::vector<Sheets> shapes(const Sheets& how, const Shown& shown, const ErrorBud
       if (std::find(all.begin(), all.end(), s) == all.end()) all.push_back(s);
   }
   return all;
-}
-
-/// The shape to undersample. On the screen splats keep their kernel, whose ripple grows with the voxels.
-const Splats& coarsest(const std::vector<Splats>& all) {
-  return all.back().image_plane == ImagePlane::slices ? all.back() : all.front();
-}
-const Sheets& coarsest(const std::vector<Sheets>& all) { return all.back(); }
-
-/// Appends all that there is to choose from with one engine.
-template <class How>
-void add_candidates(const How& how, const FrameSpec& frame, const ErrorBudgetOptions& o,
-                    std::vector<Shortcuts>& all) {
-  std::vector<double> thresholds{frame.shown.opaque_threshold};
-  if (!o.fixed.contains("--opaque-threshold"))
-    thresholds.assign(std::begin(opaque_thresholds), std::end(opaque_thresholds));
-  const auto add = [&](const How& shape, int undersample) {
-    for (const double threshold : thresholds) all.push_back({threshold, shape, undersample});
-  };
-  const std::vector<How> some = shapes(how, frame.shown, o);
-  for (const How& shape : some) add(shape, frame.shown.reduction.factor);
-  if (o.fixed.contains("--undersample")) return;
-  for (const int factor : undersampling) add(coarsest(some), factor);
-}
-
-std::string plane_text(ImagePlane plane, double samples) {
-  return plane == ImagePlane::slices ? fmt::format(" --image-plane slices --samples {}", samples) : "";
-}
-
-std::string method_text(const Splats& s) {
-  return fmt::format("--engine splats --radius {}", s.kernel_radius) +
-         plane_text(s.image_plane, s.plane_samples);
-}
-
-std::string method_text(const Sheets& s) {
-  return fmt::format("--engine sheets --slabs {} --light-points {}", s.slabs, s.light_points) +
-         plane_text(s.image_plane, s.plane_samples);
 }
 
 truth::Rgba colour_of(const float* pixel) { return {pixel[0], pixel[1], pixel[2], pixel[3]}; }
@@ -194,7 +136,7 @@ FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts) {
 }
 
 Shortcuts shortcuts_of(const FrameSpec& frame) {
-  return {frame.shown.opaque_threshold, frame.how, frame.shown.reduction.factor};
+  return {frame.shown.opaque_threshold, frame.as<Sheets>(), frame.shown.reduction.factor};
 }
 
 std::vector<int> levels_to_choose_from() {
@@ -204,17 +146,26 @@ std::vector<int> levels_to_choose_from() {
 }
 
 std::string to_text(const Shortcuts& s) {
-  std::string text = fmt::format("--opaque-threshold {} ", s.opaque_threshold) +
-                     std::visit([](const auto& how) { return method_text(how); }, s.how);
+  std::string text = fmt::format("--opaque-threshold {} --slabs {} --light-points {}", s.opaque_threshold,
+                                 s.how.slabs, s.how.light_points);
+  if (s.how.image_plane == ImagePlane::slices)
+    text += fmt::format(" --image-plane slices --samples {}", s.how.plane_samples);
   if (s.undersample > 1) text += fmt::format(" --undersample {}", s.undersample);
   return text;
 }
 
 std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& o) {
+  std::vector<double> thresholds{frame.shown.opaque_threshold};
+  if (!o.fixed.contains("--opaque-threshold"))
+    thresholds.assign(std::begin(opaque_thresholds), std::end(opaque_thresholds));
   std::vector<Shortcuts> all;
-  const auto add = [&](const auto& how) { add_candidates(how, frame, o, all); };
-  std::visit(add, frame.how);
-  if (o.other_engine) std::visit(add, *o.other_engine);
+  const auto add = [&](const Sheets& how, int undersample) {
+    for (const double threshold : thresholds) all.push_back({threshold, how, undersample});
+  };
+  const std::vector<Sheets> some = shapes(frame.as<Sheets>(), frame.shown, o);
+  for (const Sheets& how : some) add(how, frame.shown.reduction.factor);
+  if (!o.fixed.contains("--undersample"))
+    for (const int factor : undersampling) add(some.back(), factor);
   return all;
 }
 

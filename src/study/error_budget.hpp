@@ -16,7 +16,7 @@ namespace ringsplat::app {
 /// What an error budget may trade for speed (docs/accuracy.md, "An error budget").
 struct Shortcuts {
   double opaque_threshold = 0;
-  Method how;  ///< engine, image plane, and what only this engine has
+  Sheets how;
   int undersample = 1;
   bool operator==(const Shortcuts&) const = default;
 };
@@ -33,9 +33,9 @@ std::vector<int> levels_to_choose_from();
 /// The command-line options that set these shortcuts.
 std::string to_text(const Shortcuts& shortcuts);
 
-/// All combinations to choose from, those of the frame's engine first, for each engine as it was asked for
-/// first. Settings that the user has fixed, or that `frame` leaves no choice of (words carry only float),
-/// stay as in `frame`.
+/// All combinations to choose from, as it was asked for first. Settings that the user has fixed stay as in
+/// `frame`, which must be of sheets: splats seldom keep a budget in less time (docs/measured/accuracy.md,
+/// "Error budgets").
 std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& options);
 
 struct MeasuredShortcuts {

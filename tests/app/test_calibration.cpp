@@ -39,6 +39,7 @@ class Bench {
     const std::string volume = folder_ / "volume.nrrd";
     REQUIRE(app_test::run_program({"synth", "ball", "--dims", "8x8x8", "-o", volume}).code == 0);
     FrameSpec reference;
+    reference.how = Sheets{};
     reference.shown.width = width;
     reference.shown.height = height;
     reference.shown.shading = Shading::none;
@@ -177,19 +178,16 @@ TEST_CASE("a calibration's key holds all that its measurements depend on") {
   const std::vector<std::pair<const char*, std::function<void(Asked&)>>> changes{
       {"width", [](Asked& a) { ++a.reference.shown.width; }},
       {"transfer function", [](Asked& a) { a.reference.shown.transfer_function = constant_opacity(0.4); }},
-      {"radius", [](Asked& a) { a.reference.as<Splats>().kernel_radius = 1.5; }},
+      {"slabs", [](Asked& a) { a.reference.how = Sheets{.slabs = 1}; }},
       {"light", [](Asked& a) { a.reference.shown.light.x = 0.3; }},
       {"volume", [](Asked& a) { a.options.volume.path = "another.nrrd"; }},
       {"values' range", [](Asked& a) { a.values.high = 2; }},
       {"values", [](Asked& a) { ++a.values.counts[2]; }},
       {"views", [](Asked& a) { a.views[1].azimuth = 51; }},
       {"number of views", [](Asked& a) { a.views.pop_back(); }},
-      {"engine", [](Asked& a) { a.reference.how = Sheets{}; }},
       {"truth", [](Asked& a) { a.options.error.truth = TruthKind::field; }},
-      {"choice of engine", [](Asked& a) { a.options.budget.other_engine = Sheets{}; }},
       {"fixed slabs", [](Asked& a) { a.options.budget.fixed = {"--slabs"}; }},
       {"fixed light points", [](Asked& a) { a.options.budget.fixed = {"--light-points"}; }},
-      {"fixed radius", [](Asked& a) { a.options.budget.fixed = {"--radius"}; }},
       {"GPs", [](Asked& a) { ++a.layout.gps; }},
       {"Renderers", [](Asked& a) { ++a.layout.renderers; }},
       {"colocated", [](Asked& a) { a.layout.placement = Placement::colocated; }},

@@ -26,8 +26,8 @@ namespace fs = std::filesystem;
 
 namespace {
 
-MeasuredShortcuts measured(double radius, double seconds, double rmse_high) {
-  return {{0, Splats{.kernel_radius = radius}}, seconds, 0.9 * rmse_high, rmse_high};
+MeasuredShortcuts measured(int slabs, double seconds, double rmse_high) {
+  return {{0, Sheets{.slabs = slabs}}, seconds, 0.9 * rmse_high, rmse_high};
 }
 
 /// Holds the volume and the cache of its runs in a folder that is removed with it.
@@ -46,8 +46,8 @@ class Workshop {
 
   Ended render(const Words& more, int ranks = 0) const {
     Words all{"render", volume(), "-o", folder_ / "x.exr", "--stats", stats()};
-    const Words usual{"--size",    "64x48", "--tf",        "grey", "--shading", "none",
-                      "--azimuth", "20",    "--elevation", "10",   "--quality", "paper"};
+    const Words usual{"--size", "64x48",     "--tf", "grey",        "--shading",
+                      "none",   "--azimuth", "20",   "--elevation", "10"};
     for (std::size_t k = 0; k < usual.size(); k += 2)
       if (std::find(more.begin(), more.end(), usual[k]) == more.end())
         all.insert(all.end(), {usual[k], usual[k + 1]});
@@ -82,8 +82,8 @@ bool calibrated(const Ended& ended) { return !lines_with(ended.out, "calibrated"
 }  // namespace
 
 TEST_CASE("the cheapest within the budget is chosen, by the upper end of its interval") {
-  const std::vector table{measured(1.6, 4.0, 0.01), measured(1.5, 3.0, 0.5), measured(1.4, 2.0, 1.0),
-                          measured(1.2, 1.0, 2.0)};
+  const std::vector table{measured(4, 4.0, 0.01), measured(3, 3.0, 0.5), measured(2, 2.0, 1.0),
+                          measured(1, 1.0, 2.0)};
   CHECK(cheapest_within(table, 10) == 3);
   CHECK(cheapest_within(table, 2.0) == 3);
   CHECK(cheapest_within(table, 1.9) == 2);  // its measured error alone, 1.8, would pass
@@ -95,48 +95,39 @@ TEST_CASE("the cheapest within the budget is chosen, by the upper end of its int
 }
 
 TEST_CASE("what takes the same time up to its measurement is chosen by its error") {
-  const std::vector table{measured(1.6, 1.02, 0.01), measured(1.5, 1.0, 0.5), measured(1.4, 1.04, 0.001)};
+  const std::vector table{measured(4, 1.02, 0.01), measured(3, 1.0, 0.5), measured(2, 1.04, 0.001)};
   CHECK(cheapest_within(table, 1) == 0);
   CHECK(most_exact(table) == 2);
-  CHECK(most_exact(std::vector{measured(1.6, 2, 0.1), measured(1.5, 1, 0.1)}) == 1);
+  CHECK(most_exact(std::vector{measured(4, 2, 0.1), measured(3, 1, 0.1)}) == 1);
 }
 
 TEST_CASE("only what the user left open is to be chosen") {
   FrameSpec frame;
-  const auto all = candidates(frame, {});
-  CHECK(all.front() == Shortcuts{0, frame.how});
-  // Four radii on the screen, two kinds of the slices' plane, two levels in the coarser one.
-  CHECK(all.size() == 4 * (4 + 2 + 2));
-  ErrorBudgetOptions options;
-  options.fixed = {"--radius", "--opaque-threshold", "--image-plane", "--undersample"};
-  frame.as<Splats>().kernel_radius = 1.3;
+  frame.how = Sheets{.slabs = 2, .light_points = 1};
   frame.shown.opaque_threshold = 0.25;
-  CHECK(candidates(frame, options) == std::vector{Shortcuts{0.25, frame.how}});
+  ErrorBudgetOptions options;
+  options.fixed = {"--slabs", "--light-points", "--opaque-threshold", "--image-plane", "--undersample"};
+  CHECK(candidates(frame, options) == std::vector{Shortcuts{0.25, frame.as<Sheets>()}});
   options.fixed.erase("--opaque-threshold");
   CHECK(candidates(frame, options).size() == 4);
-  FrameSpec words;
-  words.as<Splats>().payload = PayloadForm::words;
-  for (const Shortcuts& s : candidates(words, {}))
-    CHECK(with(words, s).as<Splats>().payload == PayloadForm::words);
 }
 
 TEST_CASE("a fixed image plane or level is the only one") {
   FrameSpec frame;
-  frame.as<Splats>().image_plane = ImagePlane::slices;
-  frame.as<Splats>().plane_samples = 2;
+  frame.how = Sheets{.image_plane = ImagePlane::slices, .plane_samples = 2};
   ErrorBudgetOptions options;
   options.fixed.insert("--image-plane");
   for (const Shortcuts& s : candidates(frame, options)) {
-    const Splats how = std::get<Splats>(s.how);
-    CHECK(how.image_plane == ImagePlane::slices);
-    CHECK(how.plane_samples == 2);
-    CHECK(how.kernel_radius == frame.as<Splats>().kernel_radius);
+    CHECK(s.how.image_plane == ImagePlane::slices);
+    CHECK(s.how.plane_samples == 2);
   }
   options.fixed.insert("--undersample");
   frame.shown.reduction.factor = 2;
   for (const Shortcuts& s : candidates(frame, options)) {
     CHECK(s.undersample == 2);
-    CHECK(with(FrameSpec{}, s).shown.reduction.factor == 2);
+    FrameSpec other;
+    other.how = Sheets{};
+    CHECK(with(other, s).shown.reduction.factor == 2);
   }
 }
 
@@ -154,7 +145,7 @@ TEST_CASE("sheets are chosen among by slabs, light points and planes") {
             Sheets{.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 1, .light_points = 1}, 4});
   const auto most = [](const std::vector<Shortcuts>& some) {
     int slabs = 0;
-    for (const Shortcuts& s : some) slabs = std::max(slabs, std::get<Sheets>(s.how).slabs);
+    for (const Shortcuts& s : some) slabs = std::max(slabs, s.how.slabs);
     return slabs;
   };
   CHECK(most(all) == 3);
@@ -167,54 +158,31 @@ TEST_CASE("sheets are chosen among by slabs, light points and planes") {
   // Light points mean nothing where nothing is lit.
   ErrorBudgetOptions unlit;
   frame.shown.shading = Shading::none;
-  for (const Shortcuts& s : candidates(frame, unlit)) CHECK(std::get<Sheets>(s.how).light_points == 2);
+  for (const Shortcuts& s : candidates(frame, unlit)) CHECK(s.how.light_points == 2);
 }
 
-TEST_CASE("a budget that is free to choose the engine has both engines' settings, the frame's own first") {
+TEST_CASE("a setting's text is the options that make it, and each setting has its own") {
+  CHECK(to_text({0.25, {.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 3}}) ==
+        "--opaque-threshold 0.25 --slabs 3 --light-points 2 --image-plane slices --samples 1.5");
+  CHECK(to_text({0, {.light_points = 1}, 2}) ==
+        "--opaque-threshold 0 --slabs 3 --light-points 1 --undersample 2");
   FrameSpec frame;
-  ErrorBudgetOptions options;
-  options.to_field = true;
-  const auto splats = candidates(frame, options);
   frame.how = Sheets{};
-  const auto sheets = candidates(frame, options);
-  frame.how = Splats{};
-  options.other_engine = Sheets{};
-  const auto both = candidates(frame, options);
-  REQUIRE(both.size() == splats.size() + sheets.size());
-  CHECK(std::equal(splats.begin(), splats.end(), both.begin()));
-  CHECK(std::equal(sheets.begin(), sheets.end(), both.begin() + std::ptrdiff_t(splats.size())));
+  frame.shown.transfer_function = test::constant_opacity(0.5);
+  const auto all = candidates(frame, {});
   std::set<std::string> texts;
-  for (const Shortcuts& s : both) {
+  for (const Shortcuts& s : all) {
     texts.insert(to_text(s));
-    FrameSpec made = with(frame, s);
-    made.shown.transfer_function = test::constant_opacity(0.5);
-    CHECK_NOTHROW(check(made));
-    CHECK(made.how == s.how);
+    CHECK_NOTHROW(check(with(frame, s)));
   }
-  CHECK(texts.size() == both.size());  // a stored calibration tells them apart
-  // Of both engines the cheapest within the budget is chosen.
-  const std::vector table{MeasuredShortcuts{{0, Splats{}}, 1.0, 3, 3}, {{0, Sheets{}}, 2.0, 0.5, 0.5}};
-  CHECK(cheapest_within(table, 4) == 0);
-  CHECK(cheapest_within(table, 1) == 1);
-}
-
-TEST_CASE("a setting's text is the options that make it") {
-  CHECK(to_text({0, Splats{}}) == "--opaque-threshold 0 --engine splats --radius 1.6");
-  CHECK(to_text({0, Splats{.image_plane = ImagePlane::slices, .plane_samples = 2}, 2}) ==
-        "--opaque-threshold 0 --engine splats --radius 1.6 --image-plane slices --samples 2 "
-        "--undersample 2");
-  CHECK(to_text({0.25, Sheets{.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 3}}) ==
-        "--opaque-threshold 0.25 --engine sheets --slabs 3 --light-points 2 --image-plane slices --samples "
-        "1.5");
-  CHECK(to_text({0, Sheets{.light_points = 1}}) ==
-        "--opaque-threshold 0 --engine sheets --slabs 3 --light-points 1");
+  CHECK(texts.size() == all.size());  // a stored calibration tells them apart
 }
 
 TEST_CASE("a calibration is read back for its own key and settings only") {
   const TemporaryFolder folder;
   const fs::path path = folder / "new/calibration.json";
   const KeptFile file{calibration_kind, R"({"a": 1})", path}, other{calibration_kind, R"({"a": 2})", path};
-  const std::vector table{measured(1.6, 4.0, 0.01), measured(1.5, 3.0, 0.5)};
+  const std::vector table{measured(4, 4.0, 0.01), measured(3, 3.0, 0.5)};
   const std::vector settings{table[0].shortcuts, table[1].shortcuts};
   CHECK_FALSE(read_calibration(file, settings).has_value());
   write_calibration(file, table);
@@ -235,7 +203,7 @@ TEST_CASE("a calibration is read back for its own key and settings only") {
 TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", "[mpi]") {
   const Workshop w;
   Ended ended;
-  for (const double budget : {5.0, 0.6, 0.3, 0.01, 0.0001}) {
+  for (const double budget : {5.0, 0.6, 0.3, 0.1, 0.06}) {
     ended = w.render({"--max-error", std::to_string(budget)});
     INFO(budget << ": " << ended.out << ended.err);
     REQUIRE(ended.code == 0);
@@ -247,38 +215,21 @@ TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", 
     CHECK(calibrated(ended) == (budget == 5.0));  // one calibration serves every budget
   }
   CHECK(w.calibrations() == 1);
-  // The tightest leaves the exact setting.
-  CHECK(w.frame().at("settings").at("radius") == 1.6);
-  CHECK_THAT(ended.out, Catch::Matchers::Contains("--radius 1.6"));
+  // The tightest leaves no coarser plane.
+  CHECK(w.frame().at("settings").at("image_plane") == "screen");
+  CHECK(w.frame().at("settings").at("undersample") == 1);
 }
 
 TEST_CASE("a budget against the field is another one than against the method", "[mpi]") {
   const Workshop w;
-  const Words splats{"--max-error", "2", "--image-plane", "screen", "--opaque-threshold", "0"};
-  REQUIRE(calibrated(w.render(splats)));
+  const Words method{"--max-error", "2", "--image-plane", "screen", "--opaque-threshold", "0"};
+  REQUIRE(calibrated(w.render(method)));
   CHECK(w.frame().at("error").at("truth") == "method");
-  Words field = joined(splats, {"--error", "field"});
+  Words field = joined(method, {"--error", "field"});
   const Ended ended = succeeded(w.render(field));
   CHECK(calibrated(ended));
   CHECK(w.frame().at("error").at("truth") == "field");
   CHECK(w.frame().at("error").at("rmse").get<double>() <= 2);
-  // However exact, splats do not come near the field.
-  field[1] = "0.01";
-  const Ended refused = w.render(field);
-  CHECK(refused.code == 2);
-  CHECK_THAT(refused.err, Catch::Matchers::Contains("cannot keep --max-error 0.01") &&
-                              Catch::Matchers::Contains("leave out the choice of an engine"));
-}
-
-TEST_CASE("what only sheets show has a budget among their settings", "[mpi]") {
-  const Workshop w;
-  for (const Words& shown :
-       {Words{"--projection", "perspective"}, {"--clip-plane", "1,0,0,-3"}, {"--tf2d", "0:5"}}) {
-    succeeded(run_program(joined({"render", w.volume(), "-o", w / "x.exr", "--size", "48", "--tf", "grey",
-                                  "--max-error", "20", "--error", "field"},
-                                 shown)));
-    CHECK(json::parse(read_image(w / "x.exr").settings).at("engine") == "sheets");
-  }
 }
 
 TEST_CASE("a budget that cannot be kept ends the run before a picture, with one that can be", "[mpi]") {
@@ -306,14 +257,14 @@ TEST_CASE("a budget that cannot be kept ends the run before a picture, with one 
 
 TEST_CASE("what the user gives is kept, and the error is against what the user asked for", "[mpi]") {
   const Workshop w;
-  REQUIRE(w.render({"--max-error", "5", "--radius", "1.5", "--opaque-threshold", "0", "--image-plane",
-                    "screen", "--undersample", "1"})
+  REQUIRE(w.render({"--max-error", "5", "--slabs", "1", "--opaque-threshold", "0", "--image-plane", "screen",
+                    "--undersample", "1"})
               .code == 0);
   const json settings = w.frame().at("settings");
-  CHECK(settings.at("radius") == 1.5);
+  CHECK(settings.at("slabs") == 1);
   CHECK(settings.at("opaque_threshold") == 0);
-  // The truth has the same radius; against the default radius the error is above 0.2.
-  CHECK(w.frame().at("error").at("rmse").get<double>() < 0.01);
+  // The truth has as many slabs.
+  CHECK(w.frame().at("error").at("rmse").get<double>() < 0.5);
 }
 
 TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi]") {
@@ -329,7 +280,7 @@ TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi]
   REQUIRE(frames.size() == 3);
   CHECK(frames[0].at("layout").at("ranks") == 3);
   for (const json& frame : frames) {
-    CHECK(frame.at("settings").at("radius") == frames[0].at("settings").at("radius"));
+    CHECK(frame.at("settings").at("slabs") == frames[0].at("settings").at("slabs"));
     CHECK(frame.at("error").at("rmse").get<double>() <= 1);
   }
   const std::string picture = read_text(w / "x-0001.exr");
@@ -390,10 +341,10 @@ TEST_CASE("a calibration measures a small volume's views whole, whatever the see
 
 TEST_CASE("a picture over the budget is drawn again, more exactly", "[mpi]") {
   const Workshop w;
-  const std::vector<std::string> asked{"--orbit", "2", "--max-error", "0.01"};
+  const std::vector<std::string> asked{"--orbit", "2", "--max-error", "0.06"};
   for (const int ranks : {0, 2}) {
     REQUIRE(w.render(asked, ranks).code == 0);
-    w.falsify("--undersample 4", 0.01);  // the cheapest, and just within the budget
+    w.falsify("--undersample 4", 0.06);  // the cheapest, and just within the budget
     const Ended ended = w.render(asked, ranks);
     INFO(ended.out << ended.err);
     CHECK(ended.code == 0);
@@ -404,7 +355,7 @@ TEST_CASE("a picture over the budget is drawn again, more exactly", "[mpi]") {
     for (std::size_t k = 0; k < 2; ++k) {
       CHECK(frames[k].at("frame") == k);
       CHECK(frames[k].at("settings").at("undersample") == 1);
-      CHECK(frames[k].at("error").at("rmse").get<double>() <= 0.01);
+      CHECK(frames[k].at("error").at("rmse").get<double>() <= 0.06);
       CHECK(fs::exists(w / ("x-000" + std::to_string(k) + ".exr")));
     }
     fs::remove(w.calibration());
@@ -432,27 +383,24 @@ TEST_CASE("a picture that breaks the budget however it is drawn is named, and th
 TEST_CASE("a budget is kept at views between the axes", "[mpi]") {
   const Workshop w("shell");
   for (const char* budget : {"1.2", "2", "4"}) {
-    const Ended ended =
-        succeeded(w.render({"--max-error", budget, "--error", "field", "--azimuth", "43", "--elevation", "35",
-                            "--tf", "mr-surface", "--shading", "phong", "--quality", "best"},
-                           2));
+    const Ended ended = succeeded(w.render({"--max-error", budget, "--error", "field", "--azimuth", "43",
+                                            "--elevation", "35", "--tf", "mr-surface", "--shading", "phong"},
+                                           2));
     CHECK(lines_with(ended.out, "drawn again").empty());
     CHECK(w.frame().at("error").at("rmse").get<double>() <= std::stod(budget));
   }
 }
 
 TEST_CASE("what errs more than its setting should is drawn with one that is as much better") {
-  const auto radius = [](const std::optional<Shortcuts>& s) {
-    return std::get<Splats>(s->how).kernel_radius;
-  };
-  const std::vector table{measured(1.6, 4.0, 0.01), measured(1.5, 3.0, 0.5), measured(1.4, 2.0, 1.0),
-                          measured(1.2, 1.0, 2.0)};
-  CHECK(radius(more_exact(table, table[3].shortcuts, 3, 2, false)) == 1.4);  // 1.0 becomes 1.5
-  CHECK(radius(more_exact(table, table[3].shortcuts, 6, 2, false)) == 1.5);  // 1.0 becomes 3, 0.5 1.5
-  CHECK(radius(more_exact(table, table[3].shortcuts, 3, 2, true)) == 1.6);
-  CHECK(radius(more_exact(table, table[3].shortcuts, 2000, 2, false)) == 1.6);
+  const auto slabs = [](const std::optional<Shortcuts>& s) { return s->how.slabs; };
+  const std::vector table{measured(4, 4.0, 0.01), measured(3, 3.0, 0.5), measured(2, 2.0, 1.0),
+                          measured(1, 1.0, 2.0)};
+  CHECK(slabs(more_exact(table, table[3].shortcuts, 3, 2, false)) == 2);  // 1.0 becomes 1.5
+  CHECK(slabs(more_exact(table, table[3].shortcuts, 6, 2, false)) == 3);  // 1.0 becomes 3, 0.5 1.5
+  CHECK(slabs(more_exact(table, table[3].shortcuts, 3, 2, true)) == 4);
+  CHECK(slabs(more_exact(table, table[3].shortcuts, 2000, 2, false)) == 4);
   CHECK_FALSE(more_exact(table, table[0].shortcuts, 3, 2, false).has_value());
-  CHECK_FALSE(more_exact(table, Shortcuts{}, 3, 2, false).has_value());
+  CHECK_FALSE(more_exact(table, {.undersample = 2}, 3, 2, false).has_value());
 }
 
 TEST_CASE("a cache that cannot be written costs no more than the next calibration", "[mpi]") {

@@ -132,32 +132,19 @@ TEST_CASE("qualities, engines and options that contradict each other or do nothi
   }
 }
 
-TEST_CASE("an error budget against the field chooses the engine where the user has not") {
+TEST_CASE("an error budget is of sheets, and knows which truth it is kept against") {
   const auto budget = [](const Words& more) {
     const CommandLine line = parse_render(joined({"--max-error", "1"}, more));
     INFO(line.error);
     REQUIRE(line.error.empty());
     return std::get<RenderOptions>(line.command);
   };
-  const RenderOptions open = budget({"--error", "field"});
-  CHECK(open.budget.to_field);
-  REQUIRE(open.budget.other_engine.has_value());
-  CHECK(open.budget.other_engine->index() != open.frame.how.index());
-  // An option of the usual engine alone chooses it.
-  for (const Words& chosen : {Words{"--quality", "paper"}, {"--engine", "sheets"}, {"--slabs", "1"}})
-    CHECK_FALSE(budget(joined(chosen, {"--error", "field"})).budget.other_engine.has_value());
-  // A method's truth is its own.
-  for (const auto& words : std::vector<std::vector<std::string>>{{}, {"--error", "method"}}) {
+  CHECK(budget({"--error", "field"}).budget.to_field);
+  for (const Words& words : {Words{}, {"--error", "method"}}) {
     CHECK(budget(words).error.truth == TruthKind::method);
-    CHECK_FALSE(budget(words).budget.other_engine.has_value());
+    CHECK_FALSE(budget(words).budget.to_field);
   }
-  // What both engines have is the same for both.
-  const RenderOptions flat = budget({"--error", "field", "--image-plane", "slices", "--samples", "2"});
-  for (const Method& how : {flat.frame.how, *flat.budget.other_engine})
-    std::visit(
-        [](const auto& h) {
-          CHECK(h.image_plane == ImagePlane::slices);
-          CHECK(h.plane_samples == 2);
-        },
-        how);
+  for (const Words& splats : {Words{"--quality", "paper"}, {"--engine", "splats"}})
+    CHECK_THAT(parse_render(joined({"--max-error", "1"}, splats)).error,
+               Catch::Matchers::Contains("--max-error has no effect on splats"));
 }

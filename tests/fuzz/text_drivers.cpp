@@ -124,7 +124,7 @@ std::vector<Input> path_seeds() {
 }
 
 std::vector<app::Shortcuts> calibrated() {
-  return {{}, {.how = Splats{.kernel_radius = 1.4}, .undersample = 2}, {.how = Sheets{}}};
+  return {{}, {.how = {.slabs = 2}, .undersample = 2}, {.how = {.slabs = 1}}};
 }
 
 void run_calibration(std::span<const std::byte> input) {
