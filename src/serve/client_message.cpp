@@ -46,7 +46,9 @@ double number(const json& object, const char* name, double low, double high) {
 /// A whole number up to 2^32 − 1.
 std::uint32_t whole(const json& object, const char* name, std::uint32_t low = 0,
                     std::uint32_t high = UINT32_MAX) {
-  return static_cast<std::uint32_t>(number(object, name, low, high));
+  const double value = number(object, name, low, high);
+  if (value != std::floor(value)) throw InputError(fmt::format("{} must be a whole number", name));
+  return static_cast<std::uint32_t>(value);
 }
 
 /// A list of `least` to `most` entries.

@@ -86,6 +86,7 @@ TEST_CASE("Messages that are not quite right are refused with words") {
        R"({"type":"ack","picture":-1})",
        R"({"type":"ack","picture":4294967296})",
        R"({"type":"view","seq":1,"width":0,"height":9})",
+       R"({"type":"view","seq":1,"width":64.5,"height":9})",
        R"({"type":"view","seq":1,"width":4097,"height":9})",
        R"({"type":"view","seq":1,"width":9})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"camera":{"zoom":1e400}}})",
