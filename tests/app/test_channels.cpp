@@ -56,7 +56,8 @@ TEST_CASE("info lists the channels as they are drawn together, and those that ar
   write_text(store / ".zattrs", R"({"multiscales":[{"version":"0.4","axes":[{"name":"c","type":"channel"},
     {"name":"z","type":"space"},{"name":"y","type":"space"},{"name":"x","type":"space"}],"datasets":[{"path":"0",
     "coordinateTransformations":[{"type":"scale","scale":[1,1,1,1]}]}]}],"omero":{"channels":[
-    {"label":"DAPI","color":"0000FF","window":{"start":10,"end":200,"min":0,"max":255}},{"label":"GFP"},
+    {"label":"DAPI","color":"0000FF","window":{"start":10,"end":200,"min":0,"max":255}},
+    {"label":"green fluorescent protein, in more words than have room in a list"},
     {"label":"light","color":"FFFFFF","active":false}]}})");
   write_text(store / "0/.zarray",
              R"({"zarr_format":2,"shape":[3,2,4,5],"chunks":[1,2,4,5],"dtype":"|u1","order":"C",
@@ -66,10 +67,11 @@ TEST_CASE("info lists the channels as they are drawn together, and those that ar
   const Ended text = run_program({"info", store, "--channel", "1"});
   INFO(text.err);
   CHECK_THAT(text.out, Contains("channel 0  DAPI, #0000ff, values from 10 to 200\n") &&
-                           Contains("channel 1  GFP, #00ff00\n") &&
+                           Contains("channel 1  green fluorescent protein") && Contains(", #00ff00\n") &&
                            Contains("channel 2  light, #ffffff; not in --channel all\n"));
   const auto channels = json::parse(run_program({"info", store, "--json"}).out).at("channels");
   CHECK(channels.at(0) == json::parse(R"({"name":"DAPI","colour":[0,0,1],"window":[10,200],"drawn":true})"));
+  CHECK(channels.at(1).at("name") == "green fluorescent protein, in more words than have room in a list");
   CHECK_THAT(run_program({"info", Stacks().file(7), "--channel", "0"}).out,
              Contains("channel 6  channel 6; not in --channel all\n"));
   CHECK(channels.at(2) == json::parse(R"({"name":"light","colour":[1,1,1],"window":null,"drawn":false})"));
