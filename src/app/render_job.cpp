@@ -130,7 +130,7 @@ void find_volumes(Job& job, Launch& launch) {
   const std::string wanted = o.volume.choice.channel;
   const bool several = names_channels(wanted);
   if (several) o.volume.choice.channel = "all";
-  launch.check_on_rank_0([&] { job.series = find_series(o.volume, o.frames); });
+  launch.check_on_rank_0([&] { job.series = find_series(o.volume, o.frames, o.more_volumes); });
   job.series = launch.of_rank_0(job.series);
   if (several) {
     launch.check_on_rank_0([&] { job.channels = find_channels(job.part(0), wanted); });

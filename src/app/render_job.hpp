@@ -157,8 +157,10 @@ std::vector<std::pair<int, std::string>> files_of_pattern(const std::string& pat
 std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& numbers,
                                const std::string& what);
 
-/// The volumes that are asked for: without --frames the one. Throws InputError when they cannot be found.
-std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames);
+/// The volumes that are asked for: without --frames the one, and `more` that are named one by one. Throws
+/// InputError when they cannot be found.
+std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames,
+                                     const std::vector<std::string>& more);
 
 /// Loads the volumes of a series, one at a time, all of one grid. While one is drawn a thread of each process
 /// reads of the next what the process was asked for of the last one; it calls no MPI. All processes call all
@@ -174,6 +176,8 @@ class SeriesLoader {
   Scene load(std::size_t k);
   /// The same in all channels: the first, and the others beside it.
   Scene load_channels(std::size_t volume);
+  /// Throws that error, before anything is loaded, for any that cannot be opened or has another grid.
+  void check_all();
   /// Begins to read a volume that will probably be loaded next. None of that number, or one that cannot be
   /// opened: nothing happens, as load() will tell.
   void read_ahead(std::size_t k);

@@ -89,6 +89,21 @@ std::vector<SeriesEntry> volumes_in_file(const VolumeOptions& volume, const Fram
   return entries;
 }
 
+/// Those that are called the same, in other folders, by their paths.
+std::vector<SeriesEntry> named_volumes(const VolumeOptions& first, std::vector<std::string> paths) {
+  paths.insert(paths.begin(), first.path);
+  std::vector<SeriesEntry> entries;
+  for (const std::string& path : paths) {
+    if (is_pattern(path))
+      throw InputError(
+          fmt::format("{} is no file, but a pattern for several", printable(path)),
+          paths.size() == 1 ? "add --frames all, or name one file" : "name the files one by one");
+    const bool alone = std::ranges::count(paths, base_name(path), base_name) == 1;
+    entries.push_back({int(entries.size()), path, first.choice.frame, alone ? base_name(path) : path});
+  }
+  return entries;
+}
+
 }  // namespace
 
 Numbered files_of_pattern(const std::string& pattern) {
@@ -128,13 +143,11 @@ std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& 
   return chosen;
 }
 
-std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames) {
+std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames,
+                                     const std::vector<std::string>& more) {
   try {
+    if (!frames) return named_volumes(volume, more);
     const bool pattern = is_pattern(volume.path);
-    if (!frames && pattern)
-      throw InputError(fmt::format("{} is no file, but a pattern for several", printable(volume.path)),
-                       "add --frames all, or name one file");
-    if (!frames) return {{0, volume.path, volume.choice.frame, base_name(volume.path)}};
     std::vector<SeriesEntry> entries;
     if (!pattern) entries = volumes_in_file(volume, *frames);
     for (const auto& [number, file] : pattern ? files_of_pattern(volume.path) : Numbered())
@@ -198,6 +211,10 @@ Scene SeriesLoader::load_channels(std::size_t volume) {
   Scene scene = load(first);
   for (std::size_t k = 1; k < job_.channels_drawn(); ++k) scene.others.push_back(load(first + k));
   return scene;
+}
+
+void SeriesLoader::check_all() {
+  for (std::size_t k = 1; k < job_.parts(); ++k) static_cast<void>(open_like_the_first(k));
 }
 
 void SeriesLoader::read_ahead(std::size_t k) {

@@ -227,6 +227,7 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   Job job = prepare(options, launch);
   Progress progress(launch.rank() != 0, stderr);
   SeriesLoader loader(job, pictures_held, progress, launch);
+  if (!options.picture.more_volumes.empty()) loader.check_all();
   Scene scene = loader.load_channels(0);
   MadeFunction made;
   launch.check_on_rank_0([&] {

@@ -106,6 +106,7 @@ void bind(CLI::App& app, const Option& option) {
       option.is_flag() ? app.add_flag(names)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
                        : app.add_option(names)->type_name(option.form)->expected(option.reader.words);
   if (option.reader.repeats) bound->take_all();
+  if (option.reader.repeats && option.is_positional()) bound->expected(-1);
   bound->description(option.help)->default_str(option.fallback)->required(option.mark == Mark::required);
   if (!option.is_positional()) bound->group(option.heading);  // CLI11 has a heading for arguments
   if (option.name() == "--bundle") app.add_option(former_bundle)->type_name(option.form)->group("");

@@ -24,6 +24,7 @@ const Some only_sheets{{.option = {}, .mark = Mark::of_sheets}, {.option = "--sa
 const Rule all_rules[] = {
     {"--orbit", excludes, "--path", "each says what all frames are: keep one"},
     {"--frames", excludes, "--frame", "each says which volumes: keep one"},
+    {"--frames", excludes, "more", "several volumes are a series already: leave out --frames"},
     {"--frames", excludes, "--path=-",
      "a path on stdin has no end that could be told: put it into a file with a line for each frame"},
     {"--max-error", excludes, "--path=-",

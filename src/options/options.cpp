@@ -194,6 +194,8 @@ void add_machine_options(OptionList& list, RunOptions& o) {
 
 void add_server_options(OptionList& list, ServeOptions& o) {
   list.below("Viewer") += {
+      {"more", "VOLUME...", nullptr, "More volumes on the same grid, to be shown in its place or beside it",
+       values(o.picture.more_volumes), Mark::of_program},
       {"--port", "N", initial, "Port of the page; 0: any that is free", value(o.port, {0, 65535})},
       {"--bind", "ADDRESS", initial, "Address to listen at; other machines reach others than 127.0.0.1",
        value(o.address)},

@@ -146,7 +146,8 @@ struct ErrorBudgetOptions {
 
 struct RenderOptions {
   VolumeOptions volume;
-  std::optional<FrameRange> frames;  ///< of a series of volumes
+  std::optional<FrameRange> frames;       ///< of a series of volumes
+  std::vector<std::string> more_volumes;  ///< of the viewer's series, beside the first
   RunOptions run;
   /// Without its transfer function, which may depend on the volume's histogram, and its clip box, which
   /// follows from `clip` and the volume's grid. Its `how` follows from `method`.
