@@ -208,17 +208,6 @@ double picture_bytes_here(const Job& job, std::size_t pictures, const Launch& la
   return launch.rank() == 0 ? 4.0 * sizeof(float) * shown.width * shown.height * double(pictures) : 0;
 }
 
-void check_memory(const Job& job, std::size_t pictures, const Launch& launch) {
-  const double machine = machine_memory_bytes(), held = slice_bytes_here(job, launch),
-               frames = picture_bytes_here(job, pictures, launch);
-  if (held + frames <= machine) return;
-  throw InputError(fmt::format("this needs {:.1f} GiB for slices and {:.1f} GiB for pictures in one process, "
-                               "but the machine has {:.1f} GiB",
-                               held / (1 << 30), frames / (1 << 30), machine / (1 << 30)),
-                   held > frames ? "use more ranks on more machines, --axes needed or --shading none"
-                                 : "use a smaller --size");
-}
-
 void log_roles(const Job& job, const Launch& launch) {
   std::string axes;
   for (const Axis axis : all_axes)
@@ -235,6 +224,17 @@ void log_roles(const Job& job, const Launch& launch) {
 }
 
 }  // namespace
+
+void check_memory(const Job& job, std::size_t pictures, const Launch& launch, std::size_t volumes) {
+  const double machine = machine_memory_bytes(), held = slice_bytes_here(job, launch) * double(volumes),
+               frames = picture_bytes_here(job, pictures, launch);
+  if (held + frames <= machine) return;
+  throw InputError(fmt::format("this needs {:.1f} GiB for slices and {:.1f} GiB for pictures in one process, "
+                               "but the machine has {:.1f} GiB",
+                               held / (1 << 30), frames / (1 << 30), machine / (1 << 30)),
+                   held > frames ? "use more ranks on more machines, --axes needed or --shading none"
+                                 : "use a smaller --size");
+}
 
 std::size_t room_to_read_ahead(const Job& job, std::size_t pictures, const Launch& launch) {
   const double held = slice_bytes_here(job, launch),

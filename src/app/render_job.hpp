@@ -83,6 +83,10 @@ void settle_ranks(Job& job, Launch& launch);
 /// memory.
 void settle_layout(Job& job, std::size_t pictures, std::size_t volumes, Launch& launch);
 
+/// Throws the InputError of settle_layout() where this process's part of `volumes` of the job's series
+/// exceeds the machine's memory.
+void check_memory(const Job& job, std::size_t pictures, const Launch& launch, std::size_t volumes = 1);
+
 // What all runs do that render a volume.
 
 OpenedVolume open(const VolumeOptions& volume, Launch& launch);
@@ -174,8 +178,8 @@ class SeriesLoader {
   /// Throws the same InputError on all processes, with the volume's name, when it cannot be read, has another
   /// grid than the first or no finite value. No scene of an earlier volume should be alive, for its memory.
   Scene load(std::size_t k);
-  /// The same in all channels: the first, and the others beside it.
-  Scene load_channels(std::size_t volume);
+  /// The same in all channels, beside what the scene has; its first becomes the scene where that is empty.
+  void load_channels(Scene& scene, std::size_t volume);
   /// Throws that error, before anything is loaded, for any that cannot be opened or has another grid.
   void check_all();
   /// Begins to read a volume that will probably be loaded next. None of that number, or one that cannot be

@@ -206,11 +206,11 @@ Scene SeriesLoader::load(std::size_t k) {
   }
 }
 
-Scene SeriesLoader::load_channels(std::size_t volume) {
-  const std::size_t first = volume * job_.channels_drawn();
-  Scene scene = load(first);
-  for (std::size_t k = 1; k < job_.channels_drawn(); ++k) scene.others.push_back(load(first + k));
-  return scene;
+void SeriesLoader::load_channels(Scene& scene, std::size_t volume) {
+  for (std::size_t k = 0; k < job_.channels_drawn(); ++k) {
+    Scene& next = scene.grid.voxels() == 0 ? scene : scene.others.emplace_back();
+    next = load(volume * job_.channels_drawn() + k);
+  }
 }
 
 void SeriesLoader::check_all() {

@@ -111,6 +111,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   for (const SeriesEntry& volume : job.series) v.frames.push_back(volume.name);
   v.frame = o.frame;
   v.initial.shown = o.frame.shown;
+  if (o.more_volumes.size() == 1) v.initial.compared = 1;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
   made.set(v.initial.shown);
   v.initial.shown.tints = tints_of(o.volume.mask, scene.labels);
@@ -195,27 +196,44 @@ void leave_the_end_to_rank_0() {
   sigaction(SIGINT, &action, nullptr);
 }
 
-/// Shows one volume of the series after another, as pages ask for them; the next in the same direction is
-/// read meanwhile. Where one cannot be loaded, pages are told why, and the one before is loaded again.
+/// Loads the volumes `next` in all channels, without the first where the scene is that already. Where one
+/// cannot be loaded, tells pages why and loads `held` again. Returns those that are loaded.
+std::vector<int> load_next(const std::vector<int>& next, const std::vector<int>& held, SeriesLoader& loader,
+                           Scene& scene, const Job& job, serve::Viewer* viewer, Launch& launch) {
+  int failed = next.back();
+  try {
+    const std::size_t count = next.size();
+    launch.check_on_all_ranks([&] { check_memory(job, pictures_held + count - 1, launch, count); });
+    for (std::size_t k = scene.grid.voxels() > 0 ? 1 : 0; k < count; ++k) {
+      failed = next[k];
+      loader.load_channels(scene, std::size_t(failed));
+    }
+  } catch (const InputError& e) {
+    if (next == held) throw;
+    if (viewer != nullptr) viewer->not_loaded(failed, e.what());
+    scene = {};
+    return load_next(held, held, loader, scene, job, viewer, launch);
+  }
+  if (viewer != nullptr) viewer->loaded({next, ranges_of(scene)});
+  return next;
+}
+
+/// Shows one volume of the series after another, or two together, as pages ask for them; the next in the same
+/// direction is read meanwhile.
 void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewer* viewer, Launch& launch) {
-  std::size_t shown = 0;
+  std::vector<int> held{0};
+  if (job.options.more_volumes.size() == 1)
+    held = load_next({0, 1}, held, loader, scene, job, viewer, launch);
   bool backwards = false;
   while (true) {
-    loader.read_ahead((backwards ? shown - 1 : shown + 1) * job.channels_drawn());
+    const std::size_t shown(held.front());
+    if (held.size() == 1) loader.read_ahead((backwards ? shown - 1 : shown + 1) * job.channels_drawn());
     render_all(job, job.options.run.protocol, std::exchange(scene, {}),
                viewer != nullptr ? viewer->director() : Director{}, launch);
-    const int next = launch.of_rank_0(viewer != nullptr ? viewer->next_volume().value_or(-1) : -1);
-    if (next < 0) return;  // the viewer has ended
-    const std::size_t before = shown;
-    try {
-      scene = loader.load_channels(std::size_t(next));
-      shown = std::size_t(next);
-    } catch (const InputError& e) {
-      if (viewer != nullptr) viewer->not_loaded(next, e.what());
-      scene = loader.load_channels(shown);
-    }
-    if (viewer != nullptr) viewer->loaded(int(shown), ranges_of(scene));
-    if (shown != before) backwards = shown < before;
+    const auto next = launch.of_rank_0(viewer != nullptr ? viewer->next_volumes() : std::vector<int>());
+    if (next.empty()) return;  // the viewer has ended
+    held = load_next(next, held, loader, scene, job, viewer, launch);
+    if (std::size_t(held.front()) != shown) backwards = std::size_t(held.front()) < shown;
   }
 }
 
@@ -228,7 +246,8 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   Progress progress(launch.rank() != 0, stderr);
   SeriesLoader loader(job, pictures_held, progress, launch);
   if (!options.picture.more_volumes.empty()) loader.check_all();
-  Scene scene = loader.load_channels(0);
+  Scene scene;
+  loader.load_channels(scene, 0);
   MadeFunction made;
   launch.check_on_rank_0([&] {
     made = job.channels.empty() ? job.transfer_function->make(scene.values)

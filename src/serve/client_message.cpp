@@ -191,7 +191,7 @@ SceneState scene_of(const json& message, const MessageRules& rules) {
 ProbeMessage probe_from(const json& j, const MessageRules& rules) {
   if (!j.contains("voxel"))
     return {whole(j, "id"), std::floor(number(j, "x", 0, rules.largest_side)) + 0.5,
-            std::floor(number(j, "y", 0, rules.largest_side)) + 0.5};
+            std::floor(number(j, "y", 0, rules.largest_side)) + 0.5, j.value("compared", json()) == true};
   ProbeMessage probe{whole(j, "id")};
   const json& voxel = list_from(j["voxel"], "voxel", 3, 3);
   for (int k = 0; k < 3; ++k)
@@ -266,6 +266,8 @@ json to_json(const SceneState& s) {
     tints.push_back({label, colour.r, colour.g, colour.b, share});
   }
   return {{"frame", s.frame},
+          {"compare", s.compared ? json(*s.compared) : json()},
+          {"difference", s.gain},
           {"camera", s.shown.camera},
           {"transfer_function", to_json(s.shown.transfer_function)},
           {"mode", name(s.shown.mode)},
@@ -294,7 +296,14 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
   state.merge_patch(j);
   SceneState scene = rules.initial;
   Shown& shown = scene.shown;
-  scene.frame = static_cast<int>(whole(state, "frame", 0, static_cast<std::uint32_t>(rules.frames - 1)));
+  const auto last_frame = static_cast<std::uint32_t>(rules.frames - 1);
+  scene.frame = static_cast<int>(whole(state, "frame", 0, last_frame));
+  scene.compared.reset();
+  if (rules.frames > 1 && !state.value("compare", json()).is_null())
+    scene.compared = static_cast<int>(whole(state, "compare", 0, last_frame));
+  scene.gain = static_cast<int>(whole(state, "difference", 0, 16));
+  if (scene.gain != 0 && scene.gain != 1 && scene.gain != 4 && scene.gain != 16)
+    throw InputError("difference must be 0, 1, 4 or 16");
   shown.camera = camera_from(member(state, "camera"), shown.camera);
   shown.transfer_function =
       transfer_function_from(member(state, "transfer_function"), shown.transfer_function);

@@ -26,11 +26,20 @@ struct ChannelState {
 /// A picture that is wanted.
 struct SceneState {
   int frame = 0;  ///< which volume of a series, from 0
-  Shown shown;    ///< its camera, transfer function, shading, light, clip box and planes and size are
-                  ///< the page's
+  /// Another one that is drawn from the same view.
+  std::optional<int> compared = std::nullopt;
+  int gain = 0;  ///< pages show the difference of the two, so many times; 0: both, side by side
+  Shown shown;   ///< its camera, transfer function, shading, light, clip box and planes and size are
+                 ///< the page's
   glm::dvec3 background{0.0};  ///< sRGB, 0..1
   /// Each of the volume's; none where one is shown. They have functions of their own.
   std::vector<ChannelState> channels = {};
+
+  bool shows(int volume) const { return frame == volume || compared == volume; }
+  /// The volumes that must be held to draw it.
+  std::vector<int> volumes() const {
+    return compared.value_or(frame) == frame ? std::vector{frame} : std::vector{frame, *compared};
+  }
   bool operator==(const SceneState&) const = default;
 };
 
@@ -52,7 +61,8 @@ struct AckMessage {
 struct DriveMessage {};
 struct ProbeMessage {
   std::uint32_t id = 0;
-  double x = 0, y = 0;  ///< the middle of a pixel of the last view's picture, from its corner
+  double x = 0, y = 0;       ///< the middle of a pixel of the last view's picture, from its corner
+  bool of_compared = false;  ///< of the other volume's
   /// Whose voxel is asked for instead.
   std::optional<SceneState> scene = std::nullopt;
   glm::ivec3 voxel{0};

@@ -38,7 +38,7 @@ struct PictureHead {
   float pictures_a_second = 0;
   double time = 0;                                       ///< of the page's clock, as it was sent
   float rmse = std::numeric_limits<float>::quiet_NaN();  ///< against the best picture, in 1/255
-  std::uint32_t unused = 0;
+  std::uint32_t pictures = 1;                            ///< of this size, in the file one below the other
 };
 static_assert(sizeof(PictureHead) == 48);
 
@@ -113,21 +113,25 @@ class PictureMaker {
         rmse_(std::size_t(levels), std::numeric_limits<float>::quiet_NaN()) {
     if (!encoder_) throw RunError(fmt::format("no JPEG encoder: {}", tjGetErrorStr2(nullptr)));
   }
-  /// A JPEG: of quality 80 with chroma at half size while moving, of 95 with all of it at rest. Fills in the
-  /// head's size and error. Throws RunError when there is no memory.
+  /// A PNG where the head says so, else a JPEG: of quality 80 with chroma at half size while moving, of 95
+  /// with all of it at rest. Fills in the head's size and error. Throws RunError when there is no memory.
   std::string make(RenderedPicture& picture) {
     PictureHead& head = picture.head;
     head.width = static_cast<std::uint16_t>(picture.image.width);
-    head.height = static_cast<std::uint16_t>(picture.image.height);
+    head.height = static_cast<std::uint16_t>(picture.image.height / int(head.pictures));
     rgb_ = display_bytes(picture.image, picture.background);
     const bool best = head.level + 1 == head.levels;
     head.rmse = best ? 0 : rmse_[std::size_t(head.level)];
+    if (head.format == PictureFormat::png) {
+      const Bytes png = image_bytes(picture.image, ".png", picture.background, {});
+      return picture_message(head, {reinterpret_cast<const char*>(png.data()), png.size()});
+    }
     const auto chroma = picture.moving ? TJSAMP_420 : TJSAMP_444;
-    unsigned long size = tjBufSize(head.width, head.height, chroma);
+    unsigned long size = tjBufSize(head.width, picture.image.height, chroma);
     jpeg_.resize(std::max(jpeg_.size(), std::size_t(size)));
     unsigned char* bytes = jpeg_.data();
-    if (tjCompress2(encoder_.get(), rgb_.data(), head.width, 0, head.height, TJPF_RGB, &bytes, &size, chroma,
-                    picture.moving ? 80 : 95, TJFLAG_NOREALLOC) != 0)
+    if (tjCompress2(encoder_.get(), rgb_.data(), head.width, 0, picture.image.height, TJPF_RGB, &bytes, &size,
+                    chroma, picture.moving ? 80 : 95, TJFLAG_NOREALLOC) != 0)
       throw RunError(fmt::format("a picture could not be encoded: {}", tjGetErrorStr2(encoder_.get())));
     return picture_message(head, {reinterpret_cast<const char*>(bytes), size});
   }
@@ -136,12 +140,12 @@ class PictureMaker {
     const PictureHead& head = picture.head;
     if (std::exchange(scene_, picture.scene) != picture.scene) coarse_.clear();
     if (head.level + 1 < head.levels) {
-      coarse_.push_back({head.level, head.width, head.height, std::move(rgb_)});
+      coarse_.push_back({head.level, head.width, picture.image.height, std::move(rgb_)});
       return;
     }
     for (const Coarse& coarse : coarse_)
       rmse_[std::size_t(coarse.level)] =
-          rmse_of(coarse.rgb, coarse.width, coarse.height, rgb_, head.width, head.height);
+          rmse_of(coarse.rgb, coarse.width, coarse.height, rgb_, head.width, picture.image.height);
     coarse_.clear();
   }
 

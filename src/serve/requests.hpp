@@ -42,7 +42,7 @@ class Requests {
  public:
   /// `wake`: called by any thread when there may be a frame to render. `options` must outlive this.
   Requests(WebServer& server, std::function<void()> wake, const ViewerOptions& options)
-      : server_(server), wake_(std::move(wake)), options_(options), ranges_(options.volume.ranges) {}
+      : server_(server), wake_(std::move(wake)), options_(options) {}
 
   /// `best`: the frame or frames to draw, or the last view's, at the best level; the ranks will not refuse
   /// them. All throw InputError when there is too much to do already, and for a movie whatever is wrong with
@@ -99,20 +99,13 @@ class Requests {
     }
   }
 
-  /// Frames are drawn of another volume from now on; none is under way.
-  void show(int volume, const std::vector<ValueRange>& ranges) {
-    const std::lock_guard lock(mutex_);
-    volume_ = volume;
-    ranges_ = ranges;
-  }
-
-  /// The volume that must be shown for what waits, when next() has nothing for the one that is.
-  std::optional<int> wanted_volume() const {
+  /// The volume that must be held for what waits, when next() has nothing for those that are.
+  std::optional<int> wanted_volume(const HeldVolumes& held) const {
     const std::lock_guard lock(mutex_);
     if (ended_) return std::nullopt;
-    if (probing_ && probing_->frame < 0 && !probing_->forgotten && probing_->volume != volume_)
+    if (probing_ && probing_->frame < 0 && !probing_->forgotten && !held.hold(probing_->volume))
       return probing_->volume;
-    if (files_.empty() || making_ || files_.front().volume() == volume_) return std::nullopt;
+    if (files_.empty() || making_ || held.hold(files_.front().volume())) return std::nullopt;
     return files_.front().volume();
   }
 
@@ -137,11 +130,11 @@ class Requests {
   }
 
   /// The next picture to render, which has the number `frame`; none: nothing.
-  std::vector<VolumeFrame> next(std::int64_t frame) {
+  std::vector<VolumeFrame> next(std::int64_t frame, const HeldVolumes& held) {
     const std::lock_guard lock(mutex_);
     if (ended_) return {};
-    auto frames = next_probe(frame);
-    return frames.empty() ? next_file(frame) : frames;
+    auto frames = next_probe(frame, held);
+    return frames.empty() ? next_file(frame, held) : frames;
   }
 
   /// True when frames are wanted for one, now or after those that are under way.
@@ -198,22 +191,23 @@ class Requests {
     int volume() const { return asked.scene.frame; }
   };
 
-  std::vector<VolumeFrame> next_probe(std::int64_t frame) {
+  std::vector<VolumeFrame> next_probe(std::int64_t frame, const HeldVolumes& held) {
     if (probing_ && probing_->frame >= 0) return {};
     if (probing_ && probing_->forgotten) probing_.reset();
     if (!probing_ && !probes_.empty()) probing_ = std::move(probes_.extract(probes_.begin()).mapped());
-    if (!probing_ || probing_->volume != volume_) return {};
-    probing_->probe.know_range(ranges_[probing_->channel]);
+    if (!probing_ || !held.hold(probing_->volume)) return {};
+    const std::size_t volume = held.first_of(probing_->volume) + probing_->channel;
+    probing_->probe.know_range(held.ranges[volume]);
     probing_->frame = frame;
-    return {{probing_->channel, *probing_->probe.next_frame()}};
+    return {{volume, *probing_->probe.next_frame()}};
   }
 
-  std::vector<VolumeFrame> next_file(std::int64_t frame) {
-    if (files_.empty() || making_ || files_.front().volume() != volume_) return {};
+  std::vector<VolumeFrame> next_file(std::int64_t frame, const HeldVolumes& held) {
+    if (files_.empty() || making_ || !held.hold(files_.front().volume())) return {};
     making_ = std::move(files_.front());
     files_.pop_front();
     making_->frame = frame;
-    return making_->frames;
+    return held.frames_of(making_->volume(), making_->frames);
   }
 
   /// The mutex is held; texts are only handed over.
@@ -352,8 +346,6 @@ class Requests {
 
   mutable std::mutex mutex_;  ///< guards what follows, up to the workers
   bool ended_ = false;
-  int volume_ = 0;                      ///< that is shown
-  std::vector<ValueRange> ranges_;      ///< its values, by channel
   std::map<ClientId, Probing> probes_;  ///< each client's newest, not yet begun
   std::optional<Probing> probing_;
   std::deque<File> files_;

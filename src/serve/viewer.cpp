@@ -51,17 +51,16 @@ class PageViewer final : public Viewer, ServerEvents {
             .next_picture = [this] { return next(); }};
   }
 
-  std::optional<int> next_volume() override {
+  std::vector<int> next_volumes() override {
     const std::lock_guard lock(mutex_);
-    return ended_ ? std::nullopt : next_volume_;
+    return ended_ ? std::vector<int>() : next_volumes_;
   }
 
-  void loaded(int volume, const std::vector<ValueRange>& ranges) override {
-    requests_.show(volume, ranges);
+  void loaded(const HeldVolumes& held) override {
     const std::lock_guard lock(mutex_);
-    next_volume_.reset();
-    views_.loaded(volume);
-    audience_.say(frame_text(volume, "shown"));
+    next_volumes_.clear();
+    views_.loaded(held);
+    for (const int volume : held.volumes) audience_.say(frame_text(volume, "shown"));
   }
 
   void not_loaded(int volume, const std::string& why) override {
@@ -73,9 +72,8 @@ class PageViewer final : public Viewer, ServerEvents {
   }
 
   void renewed(const ValueRange& range, bool changes) override {
-    requests_.show(0, {range});
     const std::lock_guard lock(mutex_);
-    views_.renewed(changes);
+    views_.renewed(range, changes);
   }
 
   void tell(const std::string& text) override {
@@ -184,7 +182,8 @@ class PageViewer final : public Viewer, ServerEvents {
     const auto& last = views_.last();
     if (!last || asked.x >= last->shown.width || asked.y >= last->shown.height)
       throw InputError("there is no such pixel in the last view");
-    requests_.add(client, asked, best_frames(*last).front(), last->frame);
+    requests_.add(client, asked, best_frames(*last).front(),
+                  asked.of_compared ? last->compared.value_or(last->frame) : last->frame);
   }
 
   void handle(ClientId client, const MapMessage& map) {
@@ -210,12 +209,12 @@ class PageViewer final : public Viewer, ServerEvents {
 
   Frames next() {
     const std::lock_guard lock(mutex_);
-    if (ended_ || next_volume_) return {};
+    if (ended_ || !next_volumes_.empty()) return {};
     Frames frames = next_picture();
-    if (frames.empty() && !next_volume_) {
-      frames = requests_.next(next_frame_);
-      const auto volume = frames.empty() ? requests_.wanted_volume() : std::nullopt;
-      if (volume) ask_for(*volume);
+    if (frames.empty() && next_volumes_.empty()) {
+      frames = requests_.next(next_frame_, views_.held());
+      const auto volume = frames.empty() ? requests_.wanted_volume(views_.held()) : std::nullopt;
+      if (volume) ask_for({*volume});
     }
     if (!frames.empty()) ++next_frame_;
     return frames;
@@ -229,8 +228,8 @@ class PageViewer final : public Viewer, ServerEvents {
     if (!wish) return {};
     if (!wish->level) {
       if (wish->rests) show_again(wish->view);
-    } else if (wish->view.message.scene.frame != views_.volume()) {
-      ask_for(wish->view.message.scene.frame);
+    } else if (!views_.can_draw(wish->view.message.scene)) {
+      ask_for(wish->view.message.scene.volumes());
     } else {
       views_.begun();
       rendering_ = {next_frame_, *wish};
@@ -240,9 +239,9 @@ class PageViewer final : public Viewer, ServerEvents {
   }
 
   /// The mutex is held.
-  void ask_for(int volume) {
-    next_volume_ = volume;
-    audience_.say(frame_text(volume, "loading"));
+  void ask_for(const std::vector<int>& volumes) {
+    next_volumes_ = volumes;
+    for (const int volume : volumes) audience_.say(frame_text(volume, "loading"));
   }
 
   /// For a view that shows what the last picture shows: the page waits for one with the view's number.
@@ -275,7 +274,11 @@ class PageViewer final : public Viewer, ServerEvents {
                      .levels = std::uint8_t(views_.levels().size()),
                      .at_rest = views_.drawn(wish),
                      .seconds = static_cast<float>(result.stats.seconds),
-                     .time = view.time};
+                     .time = view.time,
+                     .pictures = view.scene.compared ? 2U : 1U};
+    // What JPEG loses would be seen in a difference.
+    if (picture->head.at_rest && view.scene.compared && view.scene.gain > 0)
+      picture->head.format = PictureFormat::png;
     post(picture_worker_,
          [this, picture, view = wish.view, drawn = Clock::now()] { send_picture(*picture, view, drawn); });
   }
@@ -328,7 +331,7 @@ class PageViewer final : public Viewer, ServerEvents {
 
   bool may_come() {
     const std::lock_guard lock(mutex_);
-    return !ended_ && !next_volume_;
+    return !ended_ && next_volumes_.empty();
   }
 
   void wake() {
@@ -347,7 +350,7 @@ class PageViewer final : public Viewer, ServerEvents {
   std::vector<std::string> warnings_;
   std::string told_;  ///< last
   Views views_;
-  std::optional<int> next_volume_;  ///< that the run ends for
+  std::vector<int> next_volumes_;  ///< that the run ends for
   std::optional<Rendering> rendering_;
   std::int64_t next_frame_ = 0;
   int pictures_encoding_ = 0;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -48,6 +49,23 @@ struct ShownChannel {
   }
 };
 
+/// The volumes of a series that ranks hold: one, or two that are compared.
+struct HeldVolumes {
+  std::vector<int> volumes;
+  std::vector<ValueRange> ranges;  ///< of each channel of the first, then of the second
+
+  bool hold(int volume) const { return std::ranges::find(volumes, volume) != volumes.end(); }
+  /// Where the ranks have a held volume's first channel.
+  std::size_t first_of(int volume) const {
+    return volume == volumes.front() ? 0 : ranges.size() / volumes.size();
+  }
+  /// What draws this one instead of the first.
+  std::vector<VolumeFrame> frames_of(int volume, std::vector<VolumeFrame> frames) const {
+    for (VolumeFrame& frame : frames) frame.volume += first_of(volume);
+    return frames;
+  }
+};
+
 /// The side of the largest picture whose floats leave room for the rest of this machine's memory.
 int largest_side();
 
@@ -91,13 +109,13 @@ class Viewer {
  public:
   virtual ~Viewer() = default;
   virtual std::string url() const = 0;
-  /// Of a run of the volume that is shown, the first of the series before loaded(). It lasts until another is
-  /// needed, end() or a signal. The viewer must outlive it.
+  /// Of a run of the volumes that are held, the first of the series before loaded(). It lasts until others
+  /// are needed, end() or a signal. The viewer must outlive it.
   virtual Director director() = 0;
-  /// After such a run: the volume to load for the next one; nothing when the viewer has ended.
-  virtual std::optional<int> next_volume() = 0;
-  /// The next run is of this volume; each channel has its range.
-  virtual void loaded(int volume, const std::vector<ValueRange>& ranges) = 0;
+  /// After such a run: the volumes to load for the next one; none when the viewer has ended.
+  virtual std::vector<int> next_volumes() = 0;
+  /// The next run is of these volumes.
+  virtual void loaded(const HeldVolumes& held) = 0;
   /// It cannot be loaded: whoever waits for it is told why. loaded() must follow.
   virtual void not_loaded(int volume, const std::string& why) = 0;
   /// The volume has other values from the next run on: what was drawn of it is out of date. `changes`: it

@@ -65,16 +65,27 @@ class Views {
   explicit Views(const ViewerOptions& options)
       : options_(options),
         levels_(make_levels(options.volume.grid.dims)),
-        controller_(options.target_seconds) {}
+        controller_(options.target_seconds),
+        held_{{0}, options.volume.ranges} {}
 
   const std::vector<Level>& levels() const { return levels_; }
-  /// The volume that is shown.
-  int volume() const { return volume_; }
+  /// True when the ranks hold all volumes that the scene shows.
+  bool can_draw(const SceneState& scene) const {
+    return std::ranges::all_of(scene.volumes(), [&](int volume) { return held_.hold(volume); });
+  }
   /// The scene of the view that came last.
   const std::optional<SceneState>& last() const { return last_; }
-  /// Of the view that is drawn now.
+  const HeldVolumes& held() const { return held_; }
+  /// Of the view that is drawn now; of the volume that is compared below.
   std::vector<VolumeFrame> frames(int level) const {
-    return frames_of(current_->message.scene, levels_[std::size_t(level)], options_);
+    const SceneState& scene = current_->message.scene;
+    const auto parts = frames_of(scene, levels_[std::size_t(level)], options_);
+    auto frames = held_.frames_of(scene.frame, parts);
+    if (!scene.compared) return frames;
+    const auto others = held_.frames_of(*scene.compared, parts);
+    frames.insert(frames.end(), others.begin(), others.end());
+    frames[parts.size()].below = true;
+    return frames;
   }
 
   /// The newest view takes the place of one that has not been begun.
@@ -83,16 +94,17 @@ class Views {
     last_ = message.scene;
     newest_ = View{std::move(message), scenes_, Clock::now(), {}};
   }
-  void loaded(int volume) {
-    volume_ = volume;
+  void loaded(const HeldVolumes& held) {
+    held_ = held;
     not_yet_seen_ = true;
   }
   void not_loaded(int volume) {
     for (std::optional<View>* const view : {&newest_, &current_})
-      if (*view && (*view)->message.scene.frame == volume) view->reset();
+      if (*view && (*view)->message.scene.shows(volume)) view->reset();
   }
   /// What was drawn is out of date. `changes`: it will soon be so again.
-  void renewed(bool changes) {
+  void renewed(const ValueRange& range, bool changes) {
+    held_.ranges = {range};
     changes_ = changes;
     if (current_) current_->shown.reset();
   }
@@ -131,8 +143,8 @@ class Views {
   void take_newest() {
     if (!newest_) return;
     const bool loaded_for_current =
-        not_yet_seen_ && current_ && !current_->shown && current_->message.scene.frame == volume_;
-    if (loaded_for_current && newest_->message.scene.frame != volume_) return;
+        not_yet_seen_ && current_ && !current_->shown && can_draw(current_->message.scene);
+    if (loaded_for_current && !can_draw(newest_->message.scene)) return;
     View view = *std::exchange(newest_, std::nullopt);
     if (current_ && current_->scene == view.scene) view.shown = current_->shown;
     current_ = std::move(view);
@@ -155,7 +167,7 @@ class Views {
   std::optional<View> current_;
   std::optional<SceneState> last_;
   std::uint64_t scenes_ = 0;
-  int volume_ = 0;
+  HeldVolumes held_;
   bool changes_ = false;       ///< the volume does, all the time
   bool not_yet_seen_ = false;  ///< no frame was drawn of the volume since it was loaded
 };

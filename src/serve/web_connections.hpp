@@ -40,8 +40,8 @@ struct ServerLimits {
   std::size_t message_bytes = std::size_t{1} << 16;  ///< of one that a client sends
   std::size_t header_bytes = std::size_t{1} << 13;
   /// A client that leaves more than this unread, behind the message that is being sent, is cut off when there
-  /// is more for it.
-  std::size_t unsent_bytes = std::size_t{1} << 25;
+  /// is more for it. The PNG of two large pictures fits.
+  std::size_t unsent_bytes = std::size_t{1} << 26;
   double messages_per_second = 500;   ///< more are read later
   std::chrono::seconds patience{10};  ///< with half a request
   std::chrono::seconds silence{60};  ///< of a client that is pinged; pings wait behind what a slow line holds

@@ -29,13 +29,13 @@ class DirectedFrames final : public FrameSource {
   std::optional<Bytes> next(std::int64_t frame) override {
     if (parts_.empty()) parts_ = director_.next_picture();
     if (parts_.empty()) return std::nullopt;
-    auto [volume, spec] = std::move(parts_.front());
+    auto [volume, spec, below] = std::move(parts_.front());
     parts_.erase(parts_.begin());
     spec.frame = frame;
     pace_.tell(spec.division);
     Bytes body = encode(spec, volume);
     spec.frame = picture_;
-    frames_[frame] = {std::move(spec), {}, parts_.empty()};
+    frames_[frame] = {std::move(spec), {}, parts_.empty(), below};
     if (parts_.empty()) ++picture_;
     return body;
   }
@@ -59,7 +59,8 @@ class DirectedFrames final : public FrameSource {
     if (stats.dropped) return sum_.forget(picture);
     pace_.learn(frame.spec.division, stats);
     const Axis axis = traversed_axis(frame.spec, grid_);
-    sum_.add({std::move(frame.spec), std::move(frame.image), std::move(stats), axis}, picture, frame.last);
+    sum_.add({std::move(frame.spec), std::move(frame.image), std::move(stats), axis}, picture, frame.last,
+             frame.below);
   }
   void pause(std::chrono::nanoseconds most) override {
     if (director_.pause)
@@ -75,6 +76,7 @@ class DirectedFrames final : public FrameSource {
     FrameSpec spec;  ///< with its picture's number
     Image image;
     bool last = true;  ///< of its picture
+    bool below = false;
     bool dropped = false;
   };
 

@@ -37,12 +37,19 @@ class FrameSum {
   /// `take` gets a view's sum when its last picture was added.
   explicit FrameSum(Take take) : take_(std::move(take)) {}
 
-  /// Each view's pictures come in the same order, so that sums have the same bits in every run.
-  void add(FrameResult&& picture, std::size_t view, bool last) {
+  /// Each view's pictures come in the same order, so that sums have the same bits in every run. One `below`
+  /// begins another sum, in the rows under those that the view has.
+  void add(FrameResult&& picture, std::size_t view, bool last, bool below = false) {
     const auto [found, is_first] = sums_.try_emplace(view, std::move(picture));
     if (!is_first) {
       FrameResult& sum = found->second;
-      for (std::size_t k = 0; k < sum.image.rgba.size(); ++k) sum.image.rgba[k] += picture.image.rgba[k];
+      Image::Floats& rgba = sum.image.rgba;
+      if (below) {
+        sum.image.height += picture.image.height;
+        rgba.resize(rgba.size() + picture.image.rgba.size(), 0.0F);
+      }
+      const std::size_t first = rgba.size() - picture.image.rgba.size();
+      for (std::size_t k = first; k < rgba.size(); ++k) rgba[k] += picture.image.rgba[k - first];
       add_to(sum.stats, picture.stats);
     }
     if (!last) return;
@@ -78,6 +85,7 @@ class FrameSum {
 struct VolumeFrame {
   std::size_t volume = 0;  ///< the scene's own; from 1 its others
   FrameSpec spec;
+  bool below = false;  ///< this and those after it make a picture of their own, under the one before
 };
 
 /// Supplies frames to render and takes the results; lives on rank 0.

@@ -222,6 +222,7 @@ def main():
     sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
     sys.modules["browser_test"] = sys.modules["__main__"]
     import browser_channels
+    import browser_compare
     import browser_controls
     import browser_link
     import browser_page
@@ -234,7 +235,7 @@ def main():
             browser_screenshots.write(arguments.screenshots)
             return 0
         loader = unittest.defaultTestLoader
-        modules = [sys.modules["__main__"], browser_channels, browser_controls, browser_link, browser_page, browser_series, browser_session]
+        modules = [sys.modules["__main__"], browser_channels, browser_compare, browser_controls, browser_link, browser_page, browser_series, browser_session]
         suite = unittest.TestSuite(loader.loadTestsFromModule(module) for module in modules)
         if arguments.tests:
             suite = unittest.TestSuite(test for test in flat(suite) if any(name in test.id() for name in arguments.tests))

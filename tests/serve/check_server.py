@@ -7,7 +7,7 @@ import argparse, os, shutil, signal, socket, struct, subprocess, sys, time
 import viewer_client as vc
 from access_cases import allowed, fake_browser, opens, packed_page, page, strangers
 from channel_cases import SHOWN, channels, make_channels
-from compare_cases import make_two, two_volumes
+from compare_cases import compared, make_two, two_volumes
 from movie_cases import fake_ffmpeg, movie_failures, movies, no_ffmpeg
 from series_cases import make_series, series, series_failures, series_quickly
 from server_case import SAME_JPEG, check_rendered, expect, is_alive, start, told
@@ -365,7 +365,8 @@ CASES = {"page": (page,), "packed_page": (packed_page,), "strangers": (strangers
          "errors_have_numbers": (errors_have_numbers,), "returning": (returning,), "movies": (movies, "TMPDIR={scratch}"),
          "movie_failures": (movie_failures, "TMPDIR={scratch}", "PATH={scratch}/bin"),
          "series": (series, *SERIES), "series_quickly": (series_quickly, *SERIES),
-         "series_failures": (series_failures, *SERIES), "two_volumes": (two_volumes, "{scratch}/b/density.nrrd"),
+         "series_failures": (series_failures, *SERIES), "compared": (compared, *SERIES),
+         "two_volumes": (two_volumes, "{scratch}/b/density.nrrd"),
          "channels": (channels, "--channel", SHOWN), "slices": (slices,),
          "no_ffmpeg": (no_ffmpeg, "TMPDIR={scratch}", "PATH={scratch}/empty")}
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE

@@ -28,11 +28,16 @@ def is_frame(frame, status):
     return lambda m: isinstance(m, dict) and m["type"] == "frame" and (m["frame"], m["status"]) == (frame, status)
 
 
+def as_shown(options):
+    """The words with which `render` draws what show() asks for, with the transfer function of the first."""
+    return ("--quality", "best", "--size", "160x120", "--azimuth", "30", "--fit", "sphere", "--tf",
+            os.path.join(options.scratch, "tf.json"))
+
+
 def is_the_programs(options, picture, number, limit):
-    """The same as `render` of the volume by itself, with the transfer function of the first."""
+    """The same as `render` of the volume by itself."""
     volume = os.path.join(options.scratch, f"step_{number + 7}.nrrd")
-    check_rendered(options, picture, "seen.png" if limit == 0 else "seen.jpg", limit, volume, "--quality", "best", "--size",
-                   "160x120", "--azimuth", "30", "--fit", "sphere", "--tf", os.path.join(options.scratch, "tf.json"))
+    check_rendered(options, picture, "seen.png" if limit == 0 else "seen.jpg", limit, volume, *as_shown(options))
 
 
 def show(client, frame, **more):

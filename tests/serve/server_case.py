@@ -58,10 +58,14 @@ def told(client, number):
 
 def check_rendered(options, picture, name, limit, volume, *words):
     """A picture's file is within `limit` the one that `render` writes."""
-    seen, drawn = (os.path.join(options.scratch, start + name) for start in ("seen_", "drawn_"))
-    drawn = os.path.splitext(drawn)[0] + (".exr" if name.endswith(".exr") else ".png")
+    drawn = os.path.join(options.scratch, "drawn_" + os.path.splitext(name)[0] + (".exr" if name.endswith(".exr") else ".png"))
+    subprocess.run([options.program, "render", volume, "-o", drawn, "--background", "black", *words], check=True, capture_output=True)
+    is_within(options, picture, name, limit, drawn)
+
+
+def is_within(options, picture, name, limit, drawn):
+    seen = os.path.join(options.scratch, "seen_" + name)
     with open(seen, "wb") as file:
         file.write(picture.file)
-    subprocess.run([options.program, "render", volume, "-o", drawn, "--background", "black", *words], check=True, capture_output=True)
     compared = subprocess.run([options.program, "compare", seen, drawn, "--fail-above", str(limit)], capture_output=True, text=True)
-    expect(compared.returncode == 0, f"{words}: {compared.stdout}")
+    expect(compared.returncode == 0, f"{drawn}: {compared.stdout}")

@@ -43,7 +43,8 @@ TEST_CASE("A picture's head has the bytes that the page reads") {
                                                .seconds = 0.25F,
                                                .pictures_a_second = 20,
                                                .time = 1234.5,
-                                               .rmse = 2},
+                                               .rmse = 2,
+                                               .pictures = 2},
                                               "file");
   REQUIRE(std::endian::native == std::endian::little);
   CHECK(message.substr(0, 4) == "RSP1");
@@ -57,7 +58,7 @@ TEST_CASE("A picture's head has the bytes that the page reads") {
   CHECK(at<float>(message, 28) == 20);
   CHECK(at<double>(message, 32) == 1234.5);
   CHECK(at<float>(message, 40) == 2);
-  CHECK(message.substr(48) == "file");
+  CHECK(message.substr(44) == std::string("\2\0\0\0file", 8));
   const std::string again = with_head(message, {.number = 5});
   CHECK(at<std::uint32_t>(again, 8) == 5);
   CHECK(std::isnan(at<float>(again, 40)));

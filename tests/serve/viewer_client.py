@@ -180,7 +180,8 @@ class Client:
 class Picture:
     def __init__(self, message):
         (magic, self.kind, self.number, self.seq, self.width, self.height, self.level, self.levels, self.at_rest,
-         self.format, self.seconds, self.rate, self.time, self.rmse, _) = struct.unpack("<4sIIIHHBBBBffdfI", message[:48])
+         self.format, self.seconds, self.rate, self.time, self.rmse,
+         self.pictures) = struct.unpack("<4sIIIHHBBBBffdfI", message[:48])
         assert magic == b"RSP1"
         self.file = message[48:]
 

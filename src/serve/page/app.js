@@ -5,6 +5,7 @@ import { ClipPanel, wholeBox } from './clip_panel.js';
 import { ClipPlanesPanel } from './clip_planes_panel.js';
 import { Connection, kinds } from './connection.js';
 import { ChannelsPanel } from './channels_panel.js';
+import { ComparePanel } from './compare_panel.js';
 import { byId, onceAFrame, openFile } from './dom.js';
 import { FilmPanel } from './film_panel.js';
 import { FramePanel } from './frame_panel.js';
@@ -53,11 +54,12 @@ class App {
     this.clipPlanes = new ClipPlanesPanel(this);
     this.film = new FilmPanel(this);
     this.series = new FramePanel(this);
+    this.compare = new ComparePanel(this);
     this.runs = new RunPanel(this);
     this.snapshots = new SnapshotPanel(this);
     this.probing = new Probe(this);
     this.slices = new Slices(this);
-    this.gestures = new Gestures(this, byId('picture'));
+    this.gestures = ['picture', 'second'].map((id) => new Gestures(this, byId(id)));
     attachKeyboard(this);
     attachSettings();
     onSettings(() => byId('stage').classList.toggle('with-slices', settings.slices));
@@ -123,6 +125,7 @@ class App {
     this.scene.begin(hello.state, this.fitting(kept));
     if (!resumes) this.history.clear(this.scene.state);
     this.series.begin();
+    this.compare.begin();
     this.runs.begin();
     this.transfer.begin(hello);
     this.labels.begin(volume.labels, hello.segments, hello.state.tints);
@@ -216,11 +219,12 @@ class App {
   }
   /** A scene may come from a longer series, or a volume with other channels or labels. */
   fitting(state) {
-    const { channels, frame, tints, ...rest } = state ?? {};
+    const { channels, compare, frame, tints, ...rest } = state ?? {}, last = this.hello.frames.length - 1;
     if (channels?.length === this.hello.channels.length) rest.channels = channels;
     const labels = this.hello.segments;
     if (tints?.length === labels.length && labels.every(({ value }, k) => tints[k][0] === value)) rest.tints = tints;
-    if (frame !== undefined) rest.frame = Math.min(frame, this.hello.frames.length - 1);
+    if (frame !== undefined) rest.frame = Math.min(frame, last);
+    if (compare !== undefined) rest.compare = compare === null || last === 0 ? null : Math.min(compare, last);
     return rest;
   }
 
@@ -228,6 +232,12 @@ class App {
   commit() {
     if (this.mayEdit()) this.history.commit(this.scene.state);
     this.showUndo();
+  }
+  /** Changes what nobody asked for, which is no step. */
+  adjust(part) {
+    this.commit();
+    this.scene.change(part);
+    this.history.replace(this.scene.state);
   }
   undo(again) {
     if (!this.mayEdit()) return;
@@ -270,8 +280,8 @@ class App {
     this.scene.change({ clip: this.scene.state.clip ? null : this.lastClip ?? wholeBox(this.volume.dims) });
   }
 
-  probe(place) {
-    if (this.scene.state) this.probing.ask(place);
+  probe(place, second) {
+    if (this.scene.state) this.probing.ask(place, second);
   }
   quiet() {
     this.film.stop();
@@ -293,7 +303,7 @@ class App {
     const { width, height } = this.stage.canvas;
     const { state } = this.scene, time = performance.now();
     const sent = this.connection.send({ type: 'view', seq, moving, width, height, time, state });
-    if (sent) this.stage.remember(seq, this.scene.state.camera, this.scene.state.frame);
+    if (sent) this.stage.remember(seq, this.scene.state);
     if (sent) this.awaitPicture(!this.runs.goesOn);
     return sent;
   }
@@ -316,8 +326,7 @@ class App {
     const untouched = this.scene.state?.camera.zoom === camera.zoom;
     camera.zoom = Number(fillingZoom(camera, this.volume, width, height).toPrecision(4));
     if (!untouched || !this.mayEdit()) return;
-    this.scene.change({ camera: { zoom: camera.zoom } });
-    this.history.replace(this.scene.state);
+    this.adjust({ camera: { zoom: camera.zoom } });
   }
 
   resized() {
@@ -343,9 +352,10 @@ class App {
     if (keys.has('clip')) this.clipPanel.refresh();
     if (keys.has('clip_planes')) this.clipPlanes.refresh();
     if (keys.has('frame')) this.series.refresh();
+    if (['frame', 'compare', 'difference'].some((key) => keys.has(key))) this.compare.refresh();
     this.slices.refresh();
-    const { state } = this.scene, { cross, places } = this.probing;
-    this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross, places,
+    const { state } = this.scene, { cross, second, places } = this.probing;
+    this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross: second ? null : cross, places,
                                 slices: this.slices.boxes(), legend: [...this.channels.legend(), ...this.labels.legend] });
     byId('cube').hidden = !settings.cube;
     if (settings.cube) this.viewPanel.turnCube(state.camera);

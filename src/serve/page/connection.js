@@ -13,6 +13,7 @@ function readBinary(buffer) {
     width: view.getUint16(16, true), height: view.getUint16(18, true), level: view.getUint8(20),
     levels: view.getUint8(21), atRest: view.getUint8(22) === 1, seconds: view.getFloat32(24, true),
     rate: view.getFloat32(28, true), time: view.getFloat64(32, true), error: view.getFloat32(40, true),
+    pictures: view.getUint32(44, true),
     blob: new Blob([new Uint8Array(buffer, headBytes)], { type }),
   };
 }

@@ -92,6 +92,7 @@ export class FramePanel {
     if (status !== 'failed') return;
     this.stop();
     if (this.app.driving && frame === this.frame) this.go(this.seen);
+    if (this.app.driving && frame === this.app.compare.choice.compare) this.app.adjust({ compare: null });
   }
 
   refresh() {

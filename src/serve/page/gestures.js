@@ -22,7 +22,7 @@ export class Gestures {
     listen('pointerup', (event) => this.up(event));
     listen('pointercancel', (event) => this.up(event));
     listen('wheel', (event) => this.wheel(event));
-    listen('dblclick', (event) => app.probe(this.place(event)));
+    listen('dblclick', (event) => app.probe(this.place(event), canvas.id === 'second'));
     listen('contextmenu', (event) => event.preventDefault());
     listen('auxclick', (event) => event.preventDefault());
   }

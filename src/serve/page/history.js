@@ -1,7 +1,7 @@
 // Undo and redo of the scene.
 
 const kept = ['camera', 'transfer_function', 'clip', 'clip_planes', 'light', 'mode', 'isovalue', 'shading', 'background', 'channels',
-  'tints'];
+  'tints', 'compare', 'difference'];
 const mostSteps = 200;
 
 const partOf = (state) => Object.fromEntries(kept.map((key) => [key, state[key]]));

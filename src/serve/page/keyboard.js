@@ -52,14 +52,17 @@ function actions(app) {
     ['q', 'slices beside the volume on or off', toggle('slices')],
     ['[', 'the frame before, of a series', () => app.series.step(-1)],
     [']', 'the next frame', () => app.series.step(1)],
+    ['a', 'another volume of the series beside it, the difference, or neither', () => app.compare.toggle()],
     ['l', 'play the series', () => app.series.toggle()],
     ['m', 'hold the simulation, or let it go on', () => app.runs.toggle()],
     ['n', 'one step of the simulation', () => app.runs.steer('step')],
     ['k', 'add a key frame', () => app.film.add()],
     [' ', 'play the film', () => app.film.play()],
     ['v', 'save a picture', () => app.snapshots.save()],
-    ['Enter', 'value at the cross or the cursor',
-     () => app.probe(app.probing.cross ?? app.gestures.cursor ?? app.probing.middle())],
+    ['Enter', 'value at the cross or the cursor', () => {
+      const second = document.activeElement.id === 'second', { cursor } = app.gestures[Number(second)];
+      app.probe(app.probing.cross ?? cursor ?? app.probing.middle(), second);
+    }],
     ['Escape', 'hide value and ruler, stop film and series', () => app.quiet()],
     ['\\', 'hide or show the controls',
      () => set({ folded: !document.body.classList.contains('folded') })],

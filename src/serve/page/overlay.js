@@ -109,7 +109,7 @@ function drawRuler(context, colours, places) {
   for (const [x, y] of places) context.fillRect(x - 3, y - 3, 6, 6);
 }
 
-/** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `places`: the ruler's; `legend`: of names and colours. Returns the scale bar that was drawn. */
+/** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `places`: the ruler's; `legend`: names and colours. Returns the scale bar that was drawn. */
 export function drawOverlay({ state, volume, seen, cross, slices, places, legend }) {
   const { context, width, height } = fitCanvas(byId('overlay'));
   const colours = ink(state.background), project = (place) => seen.project(place).slice(0, 2);
@@ -123,11 +123,12 @@ export function drawOverlay({ state, volume, seen, cross, slices, places, legend
     bar = { length, pixels: length * seen.pixelsPerUnit };
     drawScaleBar(context, colours, { bar, unit: volume.unit, perspective: state.camera.fov > 0, height });
   }
+  const differs = state.compare !== null && state.difference > 0;  // its colours stand for no values
   let bottom = height - foot - 34;
   const { low, high } = volume.histogram;
-  if (settings.colours && !volume.labels.length && !state.channels.length)
+  if (settings.colours && !differs && !volume.labels.length && !state.channels.length)
     bottom = drawColourBar(context, colours, state.transfer_function, [low, high], height) - 10;
-  if (settings.colours) drawLegend(context, colours, legend, bottom);
+  if (settings.colours && !differs) drawLegend(context, colours, legend, bottom);
   if (places.length > 1) drawRuler(context, colours, places.map(project));
   if (cross) drawCross(context, colours, cross);
   return bar;

@@ -14,14 +14,15 @@ export class Probe {
     this.places = [];  // on the lattice, the last three
   }
 
-  async ask(place) {
-    this.cross = place;
+  /** `second`: of the volume that is compared. */
+  async ask(place, second = false) {
+    [this.cross, this.second] = [place, second];
     this.app.redraw();
     const asked = ++this.asked, { stage } = this.app, { width, height, scale, left, top } = stage.fit();
     const pixel = place.map((p, k) => Math.floor((p * stage.pixelsEach - [left, top][k]) / scale));
     if (pixel[0] < 0 || pixel[1] < 0 || pixel[0] >= width || pixel[1] >= height) return;
     try {
-      const answer = await this.app.connection.ask({ type: 'probe', x: pixel[0], y: pixel[1] });
+      const answer = await this.app.connection.ask({ type: 'probe', x: pixel[0], y: pixel[1], compared: second });
       if (asked === this.asked) this.show(answer);
     } catch (error) {
       if (asked === this.asked) showError(`The value could not be asked for: ${error.message}`);
@@ -33,17 +34,21 @@ export class Probe {
     if (answer.hit) this.mark(answer.voxel);
     const unit = this.app.volume.unit ? ' ' + this.app.volume.unit : '';
     const { channels } = this.app.scene.state, of = this.app.channels.all[channels.findIndex(({ visible }) => visible)];
+    const { frame, compare } = this.app.compare.choice, { frames } = this.app.hello;
     const lines = answer.hit
       ? [`${of?.name ?? 'value'} ${show(answer.value, 6)}`, `voxel ${answer.voxel.map((v) => show(v, 5)).join(', ')}`,
          `world ${answer.world.map((v) => show(Number(v.toFixed(9)), 5)).join(', ')}${unit}`, ...this.measures()]
       : ['nothing opaque here'];
+    if (compare !== null) lines.unshift(frames[this.second ? compare : frame]);
     byId('probe-words').textContent = lines.join('; ');
     byId('probe').textContent = lines.join('\n');
     byId('probe').hidden = false;
     const [x, y] = this.cross, { offsetWidth, offsetHeight } = byId('probe');
     const left = Math.min(x + 14, this.canvas.clientWidth - offsetWidth - 4);
     const below = y + 14 + offsetHeight < this.canvas.clientHeight;
-    byId('probe').style.transform = `translate(${left}px, ${below ? y + 14 : y - 14 - offsetHeight}px)`;
+    const { offsetLeft, offsetTop } = byId(this.second ? 'second' : 'picture');
+    byId('probe').style.transform =
+      `translate(${offsetLeft + left}px, ${offsetTop + (below ? y + 14 : y - 14 - offsetHeight)}px)`;
   }
 
   /** Another end of the ruler. */
@@ -81,6 +86,7 @@ export class Probe {
   move([right, down]) {
     const [x, y] = this.cross ?? this.middle(), { clientWidth, clientHeight } = this.canvas;
     byId('probe').hidden = true;
+    this.second = false;  // only the first picture has lines over it
     this.cross = [clamp(x + right, 0, clientWidth - 1), clamp(y + down, 0, clientHeight - 1)];
     this.app.redraw();
   }

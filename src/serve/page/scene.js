@@ -28,6 +28,8 @@ const checks = {
     isNumbers(c.window, 2) && c.window[0] <= c.window[1]),
   tints: (all) => Array.isArray(all) && all.every((tint) => isNumbers(tint, 5) && isRgb(tint.slice(1, 4))),
   frame: (f) => Number.isInteger(f) && f >= 0,
+  compare: (f) => f === null || (Number.isInteger(f) && f >= 0),
+  difference: (gain) => [0, 1, 4, 16].includes(gain),
 };
 
 /** Keeps the known, valid members of a state from outside; names the others. */

@@ -3,6 +3,7 @@
 import { byId, download, fileStem } from './dom.js';
 import { checkedState } from './scene.js';
 import { showError } from './status.js';
+import { zip } from './zip.js';
 
 export class SnapshotPanel {
   constructor(app) {
@@ -41,9 +42,11 @@ export class SnapshotPanel {
     button.disabled = true;
     byId('snapshot-words').textContent = 'rendering …';
     try {
-      const { state } = this.app.scene;
-      const { blob } = await this.app.connection.ask({ type: 'snapshot', width, height, format, state });
-      download(`${fileStem(this.app.volume.name)}-${width}x${height}.${format}`, blob);
+      const { state } = this.app.scene, stem = `${fileStem(this.app.volume.name)}-${width}x${height}`;
+      const ask = async (part) => (await this.app.connection.ask(
+        { type: 'snapshot', width, height, format, state: { ...state, ...part } })).blob;
+      if (state.compare === null) download(`${stem}.${format}`, await ask({}));
+      else download(`${stem}-compared.zip`, zip(await this.app.compare.files(ask, format)));
       byId('snapshot-words').textContent = 'saved';
     } catch (error) {
       byId('snapshot-words').textContent = '';

@@ -1,6 +1,7 @@
 // The picture's canvas: shows what the server sent, moved, zoomed and rolled to the present camera until the
 // picture of that camera comes.
 
+import { differenceOf } from './compare_panel.js';
 import { byId, toHex, onceAFrame } from './dom.js';
 
 const mostRemembered = 512;
@@ -9,8 +10,8 @@ export class Stage {
   constructor(app) {
     this.app = app;
     this.canvas = byId('picture');
-    this.context = this.canvas.getContext('2d', { alpha: false });
-    this.shown = null;  // the bitmap on the canvas and what it shows
+    this.contexts = [this.canvas, byId('second')].map((canvas) => canvas.getContext('2d', { alpha: false }));
+    this.shown = null;  // the bitmap on the canvas, or those on both, and what they show
     this.sent = new Map();
     this.largest = 4096;
     this.draw = onceAFrame(() => this.drawNow());
@@ -49,7 +50,7 @@ export class Stage {
     const scale = Math.min(1, this.largest / Math.max(width, height));
     const size = [width, height].map((n) => Math.max(1, Math.round(n * scale)));
     if (this.canvas.width === size[0] && this.canvas.height === size[1]) return;
-    [this.canvas.width, this.canvas.height] = size;
+    for (const { canvas } of this.contexts) [canvas.width, canvas.height] = size;
     this.draw();
   }
 
@@ -67,9 +68,9 @@ export class Stage {
              left: 0.5 * (width - scale * this.shown.width), top: 0.5 * (height - scale * this.shown.height) };
   }
 
-  /** Remembers camera and frame of a view that was sent, to know what its picture shows. */
-  remember(seq, camera, frame) {
-    this.sent.set(seq, { camera, frame, width: this.canvas.width, height: this.canvas.height });
+  /** Remembers camera and volumes of a view that was sent, to know what its picture shows. */
+  remember(seq, { camera, frame, compare }) {
+    this.sent.set(seq, { camera, frame, compare, width: this.canvas.width, height: this.canvas.height });
     if (this.sent.size > mostRemembered) this.sent.delete(this.sent.keys().next().value);
   }
 
@@ -86,43 +87,55 @@ export class Stage {
            (head.seq < last.seq || (head.seq === last.seq && head.level < last.level));
   }
 
-  /** Decodes and shows a picture unless a newer one is there. */
+  /** Decodes and shows a view's picture, or its two, unless a newer one is there. */
   async take(head) {
     if (this.isStale(head)) return;
-    let bitmap;
+    let bitmaps;
     try {
-      bitmap = await createImageBitmap(head.blob, { colorSpaceConversion: 'none' });
+      bitmaps = await Promise.all(Array.from({ length: head.pictures }, (_, k) => createImageBitmap(
+        head.blob, 0, k * head.height, head.width, head.height, { colorSpaceConversion: 'none' })));
     } catch {
       return;
     }
-    if (this.isStale(head)) return void bitmap.close();
-    this.shown?.bitmap.close();
+    if (this.isStale(head)) return bitmaps.forEach((bitmap) => bitmap.close());
+    this.shown?.bitmaps.forEach((bitmap) => bitmap.close());
     const asked = this.sent.get(head.seq) ?? { camera: null, width: head.width, height: head.height };
     const own = !this.app.driving || this.sent.has(head.seq);
-    this.shown = { ...asked, bitmap, seq: own ? head.seq : -1, level: head.level };
+    this.shown = { ...asked, bitmaps, exact: head.blob.type === 'image/png', seq: own ? head.seq : -1, level: head.level };
     this.draw();
     this.app.pictureShown(head, performance.now() - head.time);
   }
 
   drawNow() {
-    const { context, canvas, shown } = this, { driving, scene: { state } } = this.app;
+    const { shown } = this, { scene: { state }, compare } = this.app;
     if (!state) return;
+    const { beside, gain } = compare.choice;
+    if (gain && shown?.bitmaps.length > 1 && shown.difference?.gain !== gain)
+      shown.difference = differenceOf(shown.bitmaps, gain);
+    const difference = gain ? shown?.difference : undefined;
+    this.put(this.contexts[0], difference?.canvas ?? shown?.bitmaps[0]);
+    if (beside) this.put(this.contexts[1], shown?.bitmaps[1]);
+    compare.name(shown, difference);
+  }
+
+  put(context, bitmap) {
+    const { canvas, shown } = this, { driving, scene: { state } } = this.app;
     context.setTransform(1, 0, 0, 1, 0, 0);
     context.fillStyle = toHex(state.background);
     context.fillRect(0, 0, canvas.width, canvas.height);
-    if (!shown) return;
-    if (driving && shown.camera) this.preview(shown, state.camera);
+    if (!bitmap) return;
+    if (driving && shown.camera) this.preview(context, shown, state.camera);
     else {
       const { scale, left, top } = this.fit();
       context.setTransform(scale, 0, 0, scale, left, top);
     }
     context.imageSmoothingQuality = 'high';
-    context.drawImage(shown.bitmap, 0, 0, shown.width, shown.height);
+    context.drawImage(bitmap, 0, 0, shown.width, shown.height);
   }
 
   /** Pan, zoom and roll are exact transforms of the picture, in perspective too. */
-  preview(shown, camera) {
-    const { context, canvas } = this;
+  preview(context, shown, camera) {
+    const { canvas } = this;
     const old = shown.camera, oldSide = Math.min(shown.width, shown.height);
     const side = Math.min(canvas.width, canvas.height);
     const sameDirection = old.azimuth === camera.azimuth && old.elevation === camera.elevation;
