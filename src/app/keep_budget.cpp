@@ -103,9 +103,10 @@ bool hold_budget(Job& job, const Gallery& gallery, Progress& progress, Launch& l
     launch.check_on_rank_0([&] {
       for (const auto& [spec, name, error] : gallery.judge()) {
         if (error <= budget) continue;
+        const Shortcuts used{spec.shown.opaque_threshold, spec.as<Sheets>(), spec.shown.reduction.factor};
         std::optional<Shortcuts> other;
         if (attempt <= attempts && !job.options.budget.guarantee)
-          other = more_exact(job.measured, shortcuts_of(spec), error, budget, attempt == attempts);
+          other = more_exact(job.measured, used, error, budget, attempt == attempts);
         if (other) {
           progress.print(
               fmt::format("{}: {:.3g}/255 rms, so it is drawn again with {}", name, error, to_text(*other)));

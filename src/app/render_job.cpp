@@ -107,7 +107,8 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Came
 /// What these options need loaded when the views traverse `axes`.
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load = needed_along(o.frame, axes);
-  if (o.budget.max_error && !o.budget.fixed.contains("--undersample")) load.factors = levels_to_choose_from();
+  if (o.budget.max_error && !o.budget.fixed.contains("--undersample"))
+    load.factors.assign(undersampling.begin(), undersampling.end());
   return load;
 }
 

@@ -93,7 +93,7 @@ FrameGeometry screen_geometry(const Shown& shown, const Grid& grid, SliceRule ru
 void fit(FrameGeometry& g, const Shown& shown, const Splats& splats) {
   if (splats.image_plane == ImagePlane::slices)
     lay_into_slices(g, shown, splats.plane_samples, splats.kernel_radius);
-  const Footprint footprint = make_footprint(splats, g);
+  const Footprint footprint = make_footprint(g.view, g.traversal.axis, splats.kernel_radius);
   g.reach = footprint.half;
   constexpr double widest = 1 << 20;
   const double half = std::max(g.reach.x, g.reach.y);
@@ -229,10 +229,6 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   std::visit([&](const auto& how) { fit(g, spec.shown, how); }, spec.how);
   lay_regions(g, spec);
   return g;
-}
-
-Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry) {
-  return make_footprint(geometry.view, geometry.traversal.axis, splats.kernel_radius);
 }
 
 RegionOwners FrameGeometry::tile_owners(int renderers) const {

@@ -87,8 +87,6 @@ Axis traversed_axis(const FrameSpec& spec, const Grid& grid);
 /// Throws InputError when a view cannot be drawn by the frame's method, or the clip box is none of the
 /// volume's.
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);
-/// The footprint that all voxels of a frame share.
-Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry);
 
 /// Sets the regions of a geometry that is otherwise complete, and which of them voxels can reach. The
 /// picture's bits do not depend on it.

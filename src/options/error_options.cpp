@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "options/contradictions.hpp"
 #include "options/option_tables.hpp"
 #include "ringsplat/base/error.hpp"
 

@@ -14,7 +14,8 @@ std::shared_ptr<SplatFrame> make_splat_frame(const FrameSpec& spec, FrameGeometr
   frame->splats = spec.as<Splats>();
   frame->geometry = std::move(geometry);
   if (dealer != nullptr) dealer->deal(spec, frame->geometry);
-  frame->footprint = make_footprint(frame->splats, frame->geometry);
+  frame->footprint =
+      make_footprint(frame->geometry.view, frame->geometry.traversal.axis, frame->splats.kernel_radius);
   frame->plan = plan_of(frame->geometry, dealing, frame->geometry.owners(renderers));
   return frame;
 }

@@ -6,12 +6,10 @@
 #include <iterator>
 #include <set>
 #include <utility>
-#include <variant>
 
 #include "base/clock.hpp"
 #include "base/printable.hpp"
 #include "base/process.hpp"
-#include "frame/frame_fields.hpp"
 #include "ringsplat/base/error.hpp"
 #include "truth/certified.hpp"
 #include "truth/field.hpp"
@@ -23,7 +21,6 @@ namespace {
 
 constexpr double opaque_thresholds[] = {0, 1.0 / 512, 1.0 / 128, 1.0 / 32};
 constexpr double samples_to_choose_from[] = {2, 1.5, 1};
-constexpr int undersampling[] = {2, 4};
 /// More than these are below what light points err, and in the slices' plane below what the warp errs.
 constexpr int exact_slabs = 4, slabs_in_slices_plane = 2;
 
@@ -135,16 +132,6 @@ FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts) {
   return frame;
 }
 
-Shortcuts shortcuts_of(const FrameSpec& frame) {
-  return {frame.shown.opaque_threshold, frame.as<Sheets>(), frame.shown.reduction.factor};
-}
-
-std::vector<int> levels_to_choose_from() {
-  std::vector<int> factors{1};
-  factors.insert(factors.end(), std::begin(undersampling), std::end(undersampling));
-  return factors;
-}
-
 std::string to_text(const Shortcuts& s) {
   std::string text = fmt::format("--opaque-threshold {} --slabs {} --light-points {}", s.opaque_threshold,
                                  s.how.slabs, s.how.light_points);
@@ -164,8 +151,8 @@ std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptio
   };
   const std::vector<Sheets> some = shapes(frame.as<Sheets>(), frame.shown, o);
   for (const Sheets& how : some) add(how, frame.shown.reduction.factor);
-  if (!o.fixed.contains("--undersample"))
-    for (const int factor : undersampling) add(some.back(), factor);
+  for (const int factor : undersampling)
+    if (factor > 1 && !o.fixed.contains("--undersample")) add(some.back(), factor);
   return all;
 }
 

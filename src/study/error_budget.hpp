@@ -24,11 +24,8 @@ struct Shortcuts {
 /// The frame as `shortcuts` would render it.
 FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts);
 
-/// The other way round.
-Shortcuts shortcuts_of(const FrameSpec& frame);
-
-/// All undersampling factors among the candidates when the user has fixed none.
-std::vector<int> levels_to_choose_from();
+/// Undersampling factors among the candidates when the user has fixed none.
+inline constexpr std::array undersampling{1, 2, 4};
 
 /// The command-line options that set these shortcuts.
 std::string to_text(const Shortcuts& shortcuts);

@@ -46,7 +46,7 @@ TEST_CASE("one voxel gives exactly the quartic") {
   spec.shown.camera = {.azimuth = 25, .elevation = 35, .roll = 10, .zoom = 1};
   const FrameResult result = render_loopback(*source, spec, 1, 1);
   const FrameGeometry g = make_geometry(spec, source->grid());
-  const Footprint footprint = make_footprint(spec.as<Splats>(), g);
+  const Footprint footprint = make_footprint(g.view, g.traversal.axis, spec.as<Splats>().kernel_radius);
   const glm::dvec3 centre = g.view.project(glm::dvec3(4));
   const double opacity = 1 - std::pow(0.5, g.traversal.slice_distance);
   double largest = 0, peak = 0;

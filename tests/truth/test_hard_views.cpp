@@ -143,7 +143,8 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
   // painter.
   const auto paint = [&](const FrameGeometry& geometry, int corner) {
     RegionPainter painter(corner, corner, 96, 96);
-    const Footprint footprint = make_footprint(large.as<Splats>(), geometry);
+    const Footprint footprint =
+        make_footprint(geometry.view, geometry.traversal.axis, large.as<Splats>().kernel_radius);
     painter.begin_frame(footprint);
     const auto plane = in_plane(geometry.traversal.axis);
     for (int step = 0; step < geometry.slices; ++step) {
