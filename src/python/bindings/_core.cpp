@@ -207,9 +207,8 @@ Processes processes_of(nb::handle capsule) {
   return std::move(*processes);
 }
 
-void bind_session(nb::module_& m) {
-  const auto without_lock = nb::call_guard<nb::gil_scoped_release>();
-  nb::class_<BlockSession>(m, "BlockSession")
+nb::class_<BlockSession> bind_blocks(nb::module_& m) {
+  return nb::class_<BlockSession>(m, "BlockSession")
       .def(
           "__init__",
           [](BlockSession* self, nb::handle capsule, const Words& layout, int threads, double stall_timeout,
@@ -235,10 +234,14 @@ void bind_session(nb::module_& m) {
             s.session().update_block(block, at_address(address), strides_of(strides));
           })
       .def("clear_blocks", [](BlockSession& s) { s.session().clear_blocks(); })
-      .def("note_problem",
-           [](BlockSession& s, const std::string& problem) {
-             SessionParts::note_problem(s.session(), problem);
-           })
+      .def("note_problem", [](BlockSession& s, const std::string& problem) {
+        SessionParts::note_problem(s.session(), problem);
+      });
+}
+
+void bind_session(nb::module_& m) {
+  const auto without_lock = nb::call_guard<nb::gil_scoped_release>();
+  bind_blocks(m)
       .def("commit", &BlockSession::commit, without_lock)
       .def(
           "range",
