@@ -155,7 +155,7 @@ Machine this_machine(int hosts, int cores) {
 double measure_hop(Transport& transport) {
   const int ranks = transport.ranks(), rank = transport.rank(), next = (rank + 1) % ranks;
   if (ranks == 1) return 0;
-  const int rounds = std::max(8, 2000 / ranks);
+  const int rounds = std::max(8, 200 / ranks);
   const auto pass_on = [&] {
     transport.send(next, Message({.kind = Kind::token, .source = rank, .destination = next}));
   };
