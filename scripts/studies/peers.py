@@ -17,6 +17,7 @@ from collections import defaultdict
 from pathlib import Path
 
 import numpy
+from referees.files import read_exr
 
 from .output import median, ms, plotting, print_head, print_row, read_csv, rms, write_csv, write_figure
 from .run import AHEAD, COLOCATED, DEDICATED, HEAD, REPO, Bench, fail, on_ranks, output_of, parser, program, repeat, say
@@ -334,9 +335,10 @@ def paraview(words):
     """Seams, memory, time and error beside ParaView, on 1, 2, 3, 4 and 6 ranks: pvbatch with IceT between its processes, with both of its ray
 casters, and ringsplat's colocated ranks. The table has the pixels that differ from the same program's picture on one rank, and by how much
 at most; the error against the field's truth; the median time of a frame; and the peak memory of the largest rank and of all. Numbers go
-to build/peers/paraview.csv."""
+to build/peers/paraview.csv; with -o the pictures of the first view on 1 and 6 ranks, and how they differ, go to a picture."""
     arguments = parser(paraview.__doc__)
     repeat(arguments, 3)
+    arguments.add_argument("-o", "--output", type=Path, metavar="FILE.png")
     choose_scenes(arguments)
     arguments.add_argument("--size", type=int, default=512)
     options = arguments.parse_args(words)
@@ -350,12 +352,47 @@ to build/peers/paraview.csv."""
         lines = peers.views.read_text().splitlines(keepends=True)
         peers.views.write_text(peers.truth_views.read_text() + "".join(lines[k] for k in (4, 12, 20)))
         rows = measure_ranks(peers, options)
+        if options.output:
+            write_figure(seams_figure(peers, options.functions[0], options.shadings[0]), options.output)
     write_csv(KEPT / "paraview.csv", rows)
     print_head("transfer function", "shading", "program", "ranks", "pixels that differ from 1 rank's, %", "most, 1/255",
                "RMSE against the field, 1/255", "ms a frame", "MiB, largest rank", "MiB, all ranks")
     for r in rows:
         print_row(r["function"], r["shading"], RACERS[r["program"]], r["ranks"], f"{100 * r['differing']:.2f}", f"{r['largest']:.1f}",
                   f"{r['rmse']:.2f}", ms(r["seconds"]), f"{r['memory_most'] / MIB:.0f}", f"{r['memory_sum'] / MIB:.0f}")
+
+
+def seams_figure(peers, function, shading):
+    """ParaView's and ringsplat's first view on 1 and 6 ranks, and where these differ, made visible; where something is shown."""
+    plt = plotting()
+    figure, rows = plt.subplots(2, 3, figsize=(9, 6.6), facecolor="black")
+    for (name, title), panels in zip({"smart": "ParaView", "best": "Ringsplat"}.items(), rows):
+        stems = [stem_of(peers, function, shading, name, ranks) for ranks in (1, 6)]
+        one, six = (colours_of(picture(stem, 0)) for stem in stems)
+        differing = compared(*(picture(stem, 0) for stem in stems))["fraction_over"]
+        shown = [slice(*places[[0, -1]]) for places in (numpy.flatnonzero(one.any(axis=(axis, 2))) for axis in (1, 0))]
+        for panel, image, text in zip(panels, (one, six, 8 * abs(one - six)), (f"{title}, 1 rank", "6 ranks", f"difference × 8: {100 * differing:.1f} %")):
+            panel.imshow(encoded(image[tuple(shown)]))
+            panel.set_title(text, color="white", fontsize=10)
+            panel.axis("off")
+    figure.tight_layout()
+    return figure
+
+
+def colours_of(path):
+    """Linear red, green and blue of a picture over black, the top row first."""
+    if path.suffix == ".exr":
+        return read_exr(path)[:, :, :3]
+    head, size, scale, data = path.read_bytes().split(b"\n", 3)
+    width, height = map(int, size.split())
+    assert head == b"PF" and float(scale) < 0, f"{path} is no PFM as ParaView's driver writes it"
+    return numpy.frombuffer(data, "<f4").reshape(height, width, 3)[::-1]
+
+
+def encoded(linear):
+    """sRGB."""
+    part = linear.clip(0, 1)
+    return numpy.where(part <= 0.0031308, 12.92 * part, 1.055 * part ** (1 / 2.4) - 0.055)
 
 
 def measure_ranks(peers, options):
