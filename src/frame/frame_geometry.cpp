@@ -8,6 +8,7 @@
 #include <variant>
 
 #include "ringsplat/base/error.hpp"
+#include "splat/footprint.hpp"
 #include "volume/cell_ranges.hpp"
 
 namespace ringsplat {

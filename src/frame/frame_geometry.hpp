@@ -7,7 +7,6 @@
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/view/view.hpp"
 #include "screen/regions.hpp"
-#include "splat/footprint.hpp"
 #include "view/slice_plane.hpp"
 
 namespace ringsplat {

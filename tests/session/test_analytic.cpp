@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 
 #include "frame/frame_geometry.hpp"
+#include "splat/footprint.hpp"
 #include "support/catch.hpp"
 #include "support/memory_source.hpp"
 #include "support/scenes.hpp"

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "frame/frame_spec_bytes.hpp"
 #include "support/catch.hpp"
 #include "support/views.hpp"
 

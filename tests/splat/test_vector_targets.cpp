@@ -1,5 +1,4 @@
 #include <cmath>
-#include <glm/gtc/packing.hpp>
 #include <random>
 #include <string>
 

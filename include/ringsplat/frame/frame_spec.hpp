@@ -23,7 +23,7 @@ enum class Interpolation { linear, nearest };
 const char* name(Interpolation interpolation);
 
 /// How splats travel from GPs to Renderers: the paper's six words each, or runs of voxels whose positions
-/// follow from the view; the same bits.
+/// follow from the view. Both draw the same bits.
 enum class PayloadForm { words, runs };
 
 /// Where Renderers' regions lie: on the screen, as in the paper; or in the plane of the traversed slices,
@@ -153,8 +153,8 @@ struct FrameSpec {
 };
 
 /// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
-/// zero, a threshold outside [0, 1), a projection, a mode, clip
-/// planes, edges or tints that the method has not.
+/// zero, a threshold outside [0, 1), a projection, a mode, clip planes, edges or tints that the method has
+/// not.
 void check(const FrameSpec& spec);
 /// Throws InputError when the method cannot draw the camera's kind of view.
 void check_projection(const Camera& camera, const Method& method);
