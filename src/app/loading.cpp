@@ -194,12 +194,16 @@ int drawing_renderers(const Job& job, const Launch& launch) {
   return cores < layout.working_ranks() ? std::min(2 * cores, layout.renderers) : layout.renderers;
 }
 
-/// Of the GPs in this process.
-double slice_bytes_here(const Job& job, const Launch& launch) {
+/// Of the GPs in this process, or in all of this machine.
+double slice_bytes_here(const Job& job, const Launch& launch, bool in_machine) {
+  const auto is_here = [&](int rank) {
+    if (!launch.over_mpi() || rank == launch.rank()) return true;
+    return in_machine &&
+           job.places[std::size_t(rank)].machine == job.places[std::size_t(launch.rank())].machine;
+  };
   double held = 0;
   for (int gp = 0; gp < job.layout.gps; ++gp)
-    if (!launch.over_mpi() || job.layout.rank_of({Role::gp, gp}) == launch.rank())
-      held += double(job.slice_bytes[std::size_t(gp)]);
+    if (is_here(job.layout.rank_of({Role::gp, gp}))) held += double(job.slice_bytes[std::size_t(gp)]);
   return held;
 }
 
@@ -226,20 +230,22 @@ void log_roles(const Job& job, const Launch& launch) {
 }  // namespace
 
 void check_memory(const Job& job, std::size_t pictures, const Launch& launch, std::size_t volumes) {
-  const double machine = machine_memory_bytes(), held = slice_bytes_here(job, launch) * double(volumes),
+  const double machine = machine_memory_bytes(), held = slice_bytes_here(job, launch, true) * double(volumes),
                frames = picture_bytes_here(job, pictures, launch);
   if (held + frames <= machine) return;
-  throw InputError(fmt::format("this needs {:.1f} GiB for slices and {:.1f} GiB for pictures in one process, "
-                               "but the machine has {:.1f} GiB",
-                               held / (1 << 30), frames / (1 << 30), machine / (1 << 30)),
-                   held > frames ? "use more ranks on more machines, --axes needed or --shading none"
-                                 : "use a smaller --size");
+  throw InputError(
+      fmt::format("{} {:.1f} GiB for slices and {:.1f} GiB for pictures on one machine, which has "
+                  "{:.1f} GiB",
+                  volumes > 1 ? "two volumes at once need" : "this needs", held / (1 << 30),
+                  frames / (1 << 30), machine / (1 << 30)),
+      volumes > 1     ? "compare on more machines, or look at one volume"
+      : held > frames ? "use ranks on more machines, --axes needed or --shading none"
+                      : "use a smaller --size");
 }
 
 std::size_t room_to_read_ahead(const Job& job, std::size_t pictures, const Launch& launch) {
-  const double held = slice_bytes_here(job, launch),
-               needed = 2 * held + picture_bytes_here(job, pictures, launch);
-  return needed <= machine_memory_bytes() ? std::size_t(held) : 0;
+  const double needed = 2 * slice_bytes_here(job, launch, true) + picture_bytes_here(job, pictures, launch);
+  return needed <= machine_memory_bytes() ? std::size_t(slice_bytes_here(job, launch, false)) : 0;
 }
 
 void settle_layout(Job& job, std::size_t pictures, std::size_t volumes, Launch& launch) {

@@ -79,12 +79,11 @@ void settle_ranks(Job& job, Launch& launch);
 
 /// Chooses roles where that is left to the program, says how many Renderers get regions, predicts what the
 /// slices of so many volumes take that are held at once, and logs what this rank does. Throws InputError when
-/// some process's slices, or its frame buffer, which holds so many `pictures` at once, exceed the machine's
-/// memory.
+/// some machine's slices, or its frame buffer, which holds so many `pictures` at once, exceed its memory.
 void settle_layout(Job& job, std::size_t pictures, std::size_t volumes, Launch& launch);
 
-/// Throws the InputError of settle_layout() where this process's part of `volumes` of the job's series
-/// exceeds the machine's memory.
+/// Throws the InputError of settle_layout() where this machine's part of `volumes` of the job's series
+/// exceeds its memory.
 void check_memory(const Job& job, std::size_t pictures, const Launch& launch, std::size_t volumes = 1);
 
 // What all runs do that render a volume.
@@ -180,7 +179,8 @@ class SeriesLoader {
   Scene load(std::size_t k);
   /// The same in all channels, beside what the scene has; its first becomes the scene where that is empty.
   void load_channels(Scene& scene, std::size_t volume);
-  /// Throws that error, before anything is loaded, for any that cannot be opened or has another grid.
+  /// Throws the InputError of load(), before anything is loaded, for any that cannot be opened or has another
+  /// grid.
   void check_all();
   /// Begins to read a volume that will probably be loaded next. None of that number, or one that cannot be
   /// opened: nothing happens, as load() will tell.

@@ -197,22 +197,25 @@ void leave_the_end_to_rank_0() {
 }
 
 /// Loads the volumes `next` in all channels, without the first where the scene is that already. Where one
-/// cannot be loaded, tells pages why and loads `held` again. Returns those that are loaded.
+/// cannot be loaded, tells pages why and loads `held` again, or of these the one that can be. Returns those
+/// that are loaded.
 std::vector<int> load_next(const std::vector<int>& next, const std::vector<int>& held, SeriesLoader& loader,
                            Scene& scene, const Job& job, serve::Viewer* viewer, Launch& launch) {
   int failed = next.back();
   try {
     const std::size_t count = next.size();
-    launch.check_on_all_ranks([&] { check_memory(job, pictures_held + count - 1, launch, count); });
+    launch.check_on_all_ranks([&] { check_memory(job, count * pictures_held, launch, count); });
     for (std::size_t k = scene.grid.voxels() > 0 ? 1 : 0; k < count; ++k) {
       failed = next[k];
       loader.load_channels(scene, std::size_t(failed));
     }
   } catch (const InputError& e) {
-    if (next == held) throw;
+    if (next == held && held.size() == 1) throw;
     if (viewer != nullptr) viewer->not_loaded(failed, e.what());
     scene = {};
-    return load_next(held, held, loader, scene, job, viewer, launch);
+    if (next != held) return load_next(held, held, loader, scene, job, viewer, launch);
+    const std::vector<int> other{failed == held.front() ? held.back() : held.front()};
+    return load_next(other, other, loader, scene, job, viewer, launch);
   }
   if (viewer != nullptr) viewer->loaded({next, ranges_of(scene)});
   return next;

@@ -188,7 +188,8 @@ constexpr const char* everyday_reference =
     "--tf --shading --quality --range --opacity --colours";
 
 constexpr const char* serve_examples = R"(  ringsplat serve head.nrrd --open
-  mpirun -n 4 ringsplat serve head.nrrd --port 8080 --tf mr-surface)";
+  mpirun -n 4 ringsplat serve head.nrrd --port 8080 --tf mr-surface
+  ringsplat serve before.nrrd after.nrrd)";
 
 constexpr const char* info_examples = R"(  ringsplat info head.nrrd
   ringsplat info ct_512x512x300_int16.raw --gps 12 --json

@@ -301,6 +301,7 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
   scene.compared.reset();
   if (rules.frames > 1 && !state.value("compare", json()).is_null())
     scene.compared = static_cast<int>(whole(state, "compare", 0, last_frame));
+  if (scene.compared == scene.frame) scene.compared.reset();
   scene.gain = static_cast<int>(whole(state, "difference", 0, 16));
   if (scene.gain != 0 && scene.gain != 1 && scene.gain != 4 && scene.gain != 16)
     throw InputError("difference must be 0, 1, 4 or 16");

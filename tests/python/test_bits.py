@@ -108,13 +108,13 @@ def test_pictures_over_the_error_budget_are_drawn_again(npy, tmp_path, monkeypat
 
     def render(budget):
         views = dict(azimuth=[0, 30], elevation=[10, 40])
-        return rs.render(file, size=64, quality="paper", tf="grey", shading="none", max_error=budget, **views)
+        return rs.render(file, size=64, tf="grey", shading="none", max_error=budget, **views)
 
     render(1)
     (stored,) = (tmp_path / "ringsplat").glob("*.json")
     calibration = json.loads(stored.read_text())
-    calibration["measured"][-1] |= dict(seconds=1e-9, rmse=0.05, rmse_high=0.05)  # the coarsest setting
+    calibration["measured"][-1] |= dict(seconds=1e-9, rmse=0.1, rmse_high=0.1)  # the coarsest setting
     stored.write_text(json.dumps(calibration))
-    for image in render(0.05):
-        assert image.error().rms <= 0.05
+    for image in render(0.1):
+        assert image.error().rms <= 0.1
         assert image.settings["undersample"] == 1

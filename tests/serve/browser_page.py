@@ -210,7 +210,8 @@ class Segments(WithPage):
         self.rows("[type=checkbox]")[2].click()
         self.page.settle()
         self.assertEqual([share > 0 for *_, share in self.tints()], [True, True, False, True, True])
-        self.page.wait("/tints/.test(location.hash) && JSON.parse(decodeURIComponent(location.hash.split('state=')[1])).tints[2][4] === 0")
+        self.page.wait("/tints/.test(location.hash) && String(JSON.parse(decodeURIComponent(location.hash.split('state=')[1])).tints"
+                       ".map((tint) => tint[4] > 0)) === 'true,true,false,true,true'")
         tints = self.tints()
         self.page.show(self.server.url + "&" + self.page.js("return location.hash.slice(1)"))
         self.assertEqual([round(share, 3) for *_, share in self.tints()], [round(share, 3) for *_, share in tints])

@@ -235,9 +235,8 @@ class App {
   }
   /** Changes what nobody asked for, which is no step. */
   adjust(part) {
-    this.commit();
     this.scene.change(part);
-    this.history.replace(this.scene.state);
+    this.history.replace(part);
   }
   undo(again) {
     if (!this.mayEdit()) return;

@@ -31,7 +31,8 @@ export class ComparePanel {
   }
 
   get choice() {
-    const { frame, compare, difference } = this.app.scene.state;
+    const { frame, difference, ...state } = this.app.scene.state;
+    const compare = state.compare === frame ? null : state.compare;  // a volume is not compared with itself
     return { frame, compare, gain: compare === null ? 0 : difference, beside: compare !== null && difference === 0 };
   }
 
@@ -58,7 +59,7 @@ export class ComparePanel {
   refresh() {
     const { frame, compare, gain, beside } = this.choice, { app } = this;
     // Of two volumes each takes the other's place.
-    if (app.driving && compare === frame && app.hello.frames.length === 2) return void app.adjust({ compare: 1 - frame });
+    if (app.driving && app.scene.state.compare === frame && app.hello.frames.length === 2) return void app.adjust({ compare: 1 - frame });
     for (const option of byId('compare').options) option.disabled = option.value === String(frame);
     byId('compare').value = compare ?? '';
     byId('difference').hidden = compare === null;

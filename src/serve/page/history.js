@@ -26,8 +26,8 @@ export class History {
     this.future = [];
   }
   /** What changes by itself is no step. */
-  replace(state) {
-    this.present = partOf(state);
+  replace({ camera, ...part }) {
+    if (this.present) this.present = { ...this.present, ...part, camera: { ...this.present.camera, ...camera } };
   }
   /** Undoes a step, or does it again: the part of the scene to show; null where there is none. */
   step(again) {
