@@ -15,7 +15,7 @@
 #include "base/log.hpp"
 #include "base/srgb.hpp"
 #include "classify/auto_preset.hpp"
-#include "formats/nrrd/header.hpp"
+#include "formats/label_notes.hpp"
 #include "net/launcher.hpp"
 #include "options/option_tables.hpp"
 #include "options/transfer_function_option.hpp"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/nrrd/header.hpp"
+#include "formats/label_notes.hpp"
 #include "frame/quality.hpp"
 #include "net/loopback.hpp"
 #include "options/option_values.hpp"

@@ -13,6 +13,7 @@
 #include "base/input_file.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
+#include "formats/label_notes.hpp"
 #include "formats/limits.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/text_reader.hpp"
@@ -326,6 +327,7 @@ NrrdHeader read_nrrd_header(const std::filesystem::path& path) {
 std::map<double, LabelNotes> label_notes(const std::filesystem::path& file) try {
   constexpr std::string_view of_value = "_LabelValue";
   constexpr std::size_t longest = 4096;
+  if (std::filesystem::is_directory(file)) return zarr_label_notes(file);
   std::map<double, LabelNotes> notes;
   const NrrdFields fields(file);
   for (const auto& [key, text] : fields.pairs()) {
@@ -341,7 +343,7 @@ std::map<double, LabelNotes> label_notes(const std::filesystem::path& file) try 
     if (value && (label.colour || !label.name.empty())) notes[*value] = std::move(label);
   }
   return notes;
-} catch (const InputError&) {
+} catch (const std::exception&) {
   return {};
 }
 

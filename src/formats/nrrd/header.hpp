@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -51,15 +50,5 @@ struct NrrdHeader {
 
 /// Throws InputError for a damaged header, and for one that says what no volume may have.
 NrrdHeader read_nrrd_header(const std::filesystem::path& path);
-
-/// What a file says of a label.
-struct LabelNotes {
-  std::string name;                  ///< empty: none
-  std::optional<glm::dvec3> colour;  ///< display (sRGB) values, 0 to 1
-};
-
-/// Of a NRRD file's labels, as 3D Slicer writes segmentations (SegmentN_LabelValue, _Name and _Color). None
-/// where nothing is said, or where the file cannot be read.
-std::map<double, LabelNotes> label_notes(const std::filesystem::path& file);
 
 }  // namespace ringsplat::detail

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <utility>
 
 #include "base/log.hpp"
+#include "base/printable.hpp"
 #include "base/process.hpp"
 #include "base/srgb.hpp"
 #include "base/text.hpp"
 #include "formats/formats.hpp"
+#include "formats/label_notes.hpp"
 #include "formats/zarr/metadata.hpp"
 #include "volume/forwarding_source.hpp"
 
@@ -220,6 +223,23 @@ std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const
   return with_notes(channel_source(std::move(source), grid, part.components, part.channel), meaning.notes);
 } catch (const Json::exception& error) {
   refuse(path, "copy or write the store again", "its metadata cannot be read: {}", error.what());
+}
+
+std::map<double, LabelNotes> zarr_label_notes(const std::filesystem::path& folder) {
+  std::map<double, LabelNotes> notes;
+  auto image = zarr::node_at(folder);
+  if (image && image->is_array) image = zarr::node_at(folder.parent_path());
+  if (!image) return notes;
+  const auto said = image->ome.value("image-label", zarr::Json::object());
+  for (const auto& entry : zarr::list_in(said, "colors"))
+    if (const auto rgba = entry.value("rgba", std::vector<double>()); rgba.size() >= 3)
+      notes[entry.at("label-value")].colour =
+          glm::clamp(glm::dvec3(rgba[0], rgba[1], rgba[2]) / 255.0, 0.0, 1.0);
+  for (const auto& entry : zarr::list_in(said, "properties"))
+    for (const char* const key : {"class", "name"})  // OME leaves keys open; a name comes before a class
+      if (const auto name = zarr::text_in(entry, key); !name.empty())
+        notes[entry.at("label-value")].name = printable(name);
+  return notes;
 }
 
 }  // namespace ringsplat::detail
