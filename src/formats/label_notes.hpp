@@ -13,12 +13,15 @@ struct LabelNotes {
   std::optional<glm::dvec3> colour;  ///< display (sRGB) values, 0 to 1
 };
 
-/// By their values, of a NRRD file's labels, as 3D Slicer writes segmentations (SegmentN_LabelValue, _Name
-/// and _Color), or of an OME-Zarr image's or its level's (image-label, 0.4). None where nothing is said, or
-/// where the file cannot be read.
+/// What a file says of its labels, by their values. None where nothing is said, or where the file cannot be
+/// read.
 std::map<double, LabelNotes> label_notes(const std::filesystem::path& file);
 
-/// Of an OME-Zarr image or level alone. Throws where its metadata are not as they should be.
+/// As 3D Slicer writes segmentations (SegmentN_LabelValue, _Name and _Color). Throws InputError where the
+/// header is damaged.
+std::map<double, LabelNotes> nrrd_label_notes(const std::filesystem::path& file);
+/// Of an OME-Zarr image or one of its levels (image-label, 0.4). Throws InputError where metadata cannot be
+/// read.
 std::map<double, LabelNotes> zarr_label_notes(const std::filesystem::path& folder);
 
 }  // namespace ringsplat::detail

@@ -10,6 +10,7 @@
 #include "base/text.hpp"
 #include "formats/channels.hpp"
 #include "formats/formats.hpp"
+#include "formats/label_notes.hpp"
 #include "formats/limits.hpp"
 #include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"
@@ -158,6 +159,12 @@ std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, con
   } catch (const std::bad_alloc&) {
     throw InputError(fmt::format("{} needs more memory than there is", path.string()), "check its sizes");
   }
+}
+
+std::map<double, detail::LabelNotes> detail::label_notes(const std::filesystem::path& file) try {
+  return is_zarr(file) ? zarr_label_notes(file) : nrrd_label_notes(file);
+} catch (const InputError&) {
+  return {};
 }
 
 }  // namespace ringsplat

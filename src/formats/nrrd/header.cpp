@@ -324,10 +324,9 @@ NrrdHeader read_nrrd_header(const std::filesystem::path& path) {
   return header;
 }
 
-std::map<double, LabelNotes> label_notes(const std::filesystem::path& file) try {
+std::map<double, LabelNotes> nrrd_label_notes(const std::filesystem::path& file) {
   constexpr std::string_view of_value = "_LabelValue";
   constexpr std::size_t longest = 4096;
-  if (std::filesystem::is_directory(file)) return zarr_label_notes(file);
   std::map<double, LabelNotes> notes;
   const NrrdFields fields(file);
   for (const auto& [key, text] : fields.pairs()) {
@@ -343,8 +342,6 @@ std::map<double, LabelNotes> label_notes(const std::filesystem::path& file) try 
     if (value && (label.colour || !label.name.empty())) notes[*value] = std::move(label);
   }
   return notes;
-} catch (const std::exception&) {
-  return {};
 }
 
 }  // namespace ringsplat::detail

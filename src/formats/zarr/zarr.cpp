@@ -225,7 +225,7 @@ std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const
   refuse(path, "copy or write the store again", "its metadata cannot be read: {}", error.what());
 }
 
-std::map<double, LabelNotes> zarr_label_notes(const std::filesystem::path& folder) {
+std::map<double, LabelNotes> zarr_label_notes(const std::filesystem::path& folder) try {
   std::map<double, LabelNotes> notes;
   auto image = zarr::node_at(folder);
   if (image && image->is_array) image = zarr::node_at(folder.parent_path());
@@ -240,6 +240,8 @@ std::map<double, LabelNotes> zarr_label_notes(const std::filesystem::path& folde
       if (const auto name = zarr::text_in(entry, key); !name.empty())
         notes[entry.at("label-value")].name = printable(name);
   return notes;
+} catch (const zarr::Json::exception&) {
+  return {};
 }
 
 }  // namespace ringsplat::detail
