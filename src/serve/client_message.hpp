@@ -26,7 +26,7 @@ struct ChannelState {
 /// A picture that is wanted.
 struct SceneState {
   int frame = 0;  ///< which volume of a series, from 0
-  /// Another one that is drawn from the same view.
+  /// Another one, never the same, that is drawn from the same view.
   std::optional<int> compared = std::nullopt;
   int gain = 0;  ///< pages show the difference of the two, so many times; 0: both, side by side
   Shown shown;   ///< its camera, transfer function, shading, light, clip box and planes and size are
@@ -37,9 +37,7 @@ struct SceneState {
 
   bool shows(int volume) const { return frame == volume || compared == volume; }
   /// The volumes that must be held to draw it.
-  std::vector<int> volumes() const {
-    return compared.value_or(frame) == frame ? std::vector{frame} : std::vector{frame, *compared};
-  }
+  std::vector<int> volumes() const { return compared ? std::vector{frame, *compared} : std::vector{frame}; }
   bool operator==(const SceneState&) const = default;
 };
 

@@ -147,6 +147,12 @@ class Compare(WithPage):
             self.assertEqual(archive.namelist(), ["1-before.png", "2-after.png", "difference-x1.png"])
             for name in archive.namelist():
                 self.assertEqual(archive.read(name)[:4], b"\x89PNG")
+        # As in a longer series, whose slider may come to the volume that is compared: one picture, and its colours.
+        self.page.js("app.hello.frames.push('third'); app.scene.change({ compare: 0, difference: 1 })")
+        self.page.settle()
+        self.assertFalse(self.page.find("first-name").is_displayed())
+        self.page.press("v")
+        wait_for_file(os.path.join(self.folder, "before-64x48.png"))
 
     def test_a_value_is_of_the_picture_that_was_clicked(self):
         told = []

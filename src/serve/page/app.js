@@ -355,7 +355,8 @@ class App {
     this.slices.refresh();
     const { state } = this.scene, { cross, second, places } = this.probing;
     this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross: second ? null : cross, places,
-                                slices: this.slices.boxes(), legend: [...this.channels.legend(), ...this.labels.legend] });
+                                slices: this.slices.boxes(), legend: [...this.channels.legend(), ...this.labels.legend],
+                                differs: this.compare.choice.gain > 0 });
     byId('cube').hidden = !settings.cube;
     if (settings.cube) this.viewPanel.turnCube(state.camera);
     this.clipPanel.place();

@@ -109,8 +109,8 @@ function drawRuler(context, colours, places) {
   for (const [x, y] of places) context.fillRect(x - 3, y - 3, 6, 6);
 }
 
-/** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `places`: the ruler's; `legend`: names and colours. Returns the scale bar that was drawn. */
-export function drawOverlay({ state, volume, seen, cross, slices, places, legend }) {
+/** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `places`: the ruler's; `legend`: names and colours; `differs`: the picture is a difference, whose colours stand for no values. Returns the scale bar that was drawn. */
+export function drawOverlay({ state, volume, seen, cross, slices, places, legend, differs }) {
   const { context, width, height } = fitCanvas(byId('overlay'));
   const colours = ink(state.background), project = (place) => seen.project(place).slice(0, 2);
   context.font = '12px system-ui, sans-serif';
@@ -123,7 +123,6 @@ export function drawOverlay({ state, volume, seen, cross, slices, places, legend
     bar = { length, pixels: length * seen.pixelsPerUnit };
     drawScaleBar(context, colours, { bar, unit: volume.unit, perspective: state.camera.fov > 0, height });
   }
-  const differs = state.compare !== null && state.difference > 0;  // its colours stand for no values
   let bottom = height - foot - 34;
   const { low, high } = volume.histogram;
   if (settings.colours && !differs && !volume.labels.length && !state.channels.length)

@@ -45,7 +45,7 @@ export class SnapshotPanel {
       const { state } = this.app.scene, stem = `${fileStem(this.app.volume.name)}-${width}x${height}`;
       const ask = async (part) => (await this.app.connection.ask(
         { type: 'snapshot', width, height, format, state: { ...state, ...part } })).blob;
-      if (state.compare === null) download(`${stem}.${format}`, await ask({}));
+      if (this.app.compare.choice.compare === null) download(`${stem}.${format}`, await ask({}));
       else download(`${stem}-compared.zip`, zip(await this.app.compare.files(ask, format)));
       byId('snapshot-words').textContent = 'saved';
     } catch (error) {
