@@ -26,6 +26,8 @@ using serve::SteerMessage;
 enum class Act : std::uint8_t { go_on, draw, count_and_draw, answer, hold };
 
 constexpr double soon = 0.2;  ///< seconds, as often as people read
+/// A page's first picture does not wait for this debt's end, in seconds.
+constexpr double most_debt_of_first = 0.5;
 
 FrameSpec first_frame(const LiveOptions& options, const ValueStatistics& values) {
   FrameSpec frame;
@@ -147,7 +149,7 @@ struct Live::State {
 
   Act decide() {
     if (holds()) return Act::hold;
-    if (debt > 0) return Act::go_on;
+    if (debt > (viewer->has_newcomer() ? most_debt_of_first : 0)) return Act::go_on;
     if (viewer->has_requests()) return Act::answer;
     viewer->renewed(range, true);
     director = viewer->director();

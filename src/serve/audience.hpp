@@ -56,6 +56,8 @@ class Audience {
   int unacknowledged() const {
     return driver_ ? int(members_.at(*driver_).unacknowledged.size()) : most_unacknowledged;
   }
+  /// The driver has seen no picture yet.
+  bool has_newcomer() const { return driver_ && members_.at(*driver_).last == 0; }
   /// The picture that was shown last.
   const std::optional<SentPicture>& last() const { return last_; }
 

@@ -87,6 +87,11 @@ class PageViewer final : public Viewer, ServerEvents {
     return audience_.size() > 0;
   }
 
+  bool has_newcomer() override {
+    const std::lock_guard lock(mutex_);
+    return audience_.has_newcomer();
+  }
+
   bool has_requests() override { return requests_.any(); }
 
   void warn(const std::string& text) override {

@@ -124,6 +124,8 @@ class Viewer {
   /// Sends a text to all pages, and to those that come until the next.
   virtual void tell(const std::string& text) = 0;
   virtual bool has_pages() = 0;
+  /// The page that drives has seen no picture yet.
+  virtual bool has_newcomer() = 0;
   /// Somebody waits for something else than a view.
   virtual bool has_requests() = 0;
   /// Shows a warning of the job on all pages, also of those that come later.

@@ -142,6 +142,17 @@ def clients_come_and_go(options):
     server.kill()
 
 
+def newcomer(options):
+    """A page's first picture does not wait until those of others are paid for, which here takes a minute or so."""
+    server = start(options, 4, share=0.001)
+    for _ in range(2):
+        client = server.client()
+        client.send({"type": "drive"})
+        client.picture(seq=client.view())
+        client.close()
+    server.kill()
+
+
 def ends(options):
     """Pages are told that the simulation has ended, and that it was held is no reason not to end."""
     server = start(options, 4, steps=60)
@@ -165,7 +176,7 @@ def killed_rank(options):
 
 
 def main():
-    cases = [answered, steered, same_on_all_ranks, clients_come_and_go, ends, killed_rank]
+    cases = [answered, steered, same_on_all_ranks, clients_come_and_go, newcomer, ends, killed_rank]
     arguments = argparse.ArgumentParser()
     for name in ("--heat", "--program", "--mpiexec", "--scratch"):
         arguments.add_argument(name)
