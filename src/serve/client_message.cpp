@@ -215,15 +215,23 @@ MapMessage map_from(const json& j) {
   return message;
 }
 
+Ruler ruler_from(const json& j) {
+  Ruler ruler;
+  if (j.contains("ruler"))
+    for (const json& place : list_from(j["ruler"], "ruler", 0, 3))
+      ruler.push_back(vector_from(place, "a place of the ruler", -1e6, 1e6));
+  return ruler;
+}
+
 FileMessage snapshot_from(const json& j, const MessageRules& rules) {
   const json& format = member(j, "format");
   if (format != "png" && format != "exr") throw InputError("format must be png or exr");
-  return {whole(j, "id"), scene_of(j, rules), format == "exr", {}};
+  return {whole(j, "id"), scene_of(j, rules), format == "exr", {}, ruler_from(j)};
 }
 
 FileMessage movie_frame_from(const json& j, const MessageRules& rules) {
   constexpr std::uint32_t most_frames = 10000;
-  FileMessage file{whole(j, "id"), scene_of(j, rules), false, {}};
+  FileMessage file{whole(j, "id"), scene_of(j, rules), false, {}, ruler_from(j)};
   const std::uint32_t count = whole(j, "count", 1, most_frames);
   file.movie = {
       static_cast<int>(whole(j, "index", 0, count - 1)),

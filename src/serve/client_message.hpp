@@ -11,6 +11,7 @@
 
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/grid.hpp"
+#include "serve/ruler.hpp"
 
 /// What pages send (docs/viewer.md has the formats).
 namespace ringsplat::serve {
@@ -87,6 +88,7 @@ struct FileMessage {
   SceneState scene;
   bool exr = false;
   std::optional<MovieFrame> movie;
+  Ruler ruler = {};  ///< drawn over it, but for an EXR
 };
 /// The movie of that number is no longer wanted.
 struct CancelMessage {

@@ -28,6 +28,7 @@
 #include "serve/movie.hpp"
 #include "serve/picture_maker.hpp"
 #include "serve/probe.hpp"
+#include "serve/ruler.hpp"
 #include "serve/viewer.hpp"
 #include "serve/web_server.hpp"
 #include "session/render_frames.hpp"
@@ -275,14 +276,19 @@ class Requests {
   }
 
   /// The picture's file. Channels have functions of their own.
-  static Bytes bytes_of(const FrameResult& result, const File& file) {
+  Bytes bytes_of(const FrameResult& result, const File& file) const {
     auto settings = nlohmann::json::parse(to_json_text(result.spec));
     if (!file.asked.scene.channels.empty()) {
       settings.erase("transfer_function");
       settings["channels"] = to_json(file.asked.scene)["channels"];
     }
-    return image_bytes(result.image, file.asked.exr ? ".exr" : ".png",
-                       srgb_to_linear(file.asked.scene.background), text_of(settings));
+    const FileMessage& asked = file.asked;
+    Overlay ruler;
+    if (!asked.exr)
+      ruler = ruler_overlay(asked.ruler, asked.scene.shown, options_.volume.grid, options_.volume.unit,
+                            asked.scene.background);
+    return image_bytes(result.image, asked.exr ? ".exr" : ".png", srgb_to_linear(asked.scene.background),
+                       text_of(settings), ruler);
   }
 
   void make_snapshot(const FrameResult& result, const File& file) {

@@ -66,6 +66,32 @@ class Flow(WithPage):
             head = file.read(24)
         self.assertEqual(struct.unpack(">II", head[16:24]), (333, 222))
 
+    def test_a_ruler_stays_with_the_scene_and_is_in_pictures(self):
+        def picture():
+            for side in ("width", "height"):
+                self.page.fill(f"snapshot-{side}", 96)
+            self.page.click("snapshot")
+            path = wait_for_file(os.path.join(self.folder, "jack-96x96.png"))
+            with open(path, "rb") as file:
+                data = file.read()
+            os.remove(path)
+            return data[data.index(b"IDAT"):]  # the settings before it number the frame
+
+        plain, places = picture(), [[4, 4, 4], [4, 7, 8], [10, 7, 8]]
+        for place in places:
+            self.page.js("app.probing.mark(arguments[0])", place)
+        words = ["5 mm", "6 mm"]
+        self.assertEqual(self.page.js("return app.probing.lengths().words"), words)
+        self.assertEqual(self.page.js("return app.probing.measures()"), ["6 mm from the place before", "angle at that 90°"])
+        self.assertNotEqual(picture(), plain)
+        self.page.wait("location.hash.includes('ruler')")
+        self.page.driver.refresh()
+        self.page.settle()
+        self.assertEqual(self.page.js("return app.probing.lengths().words"), words)
+        self.assertEqual(json.loads(self.page.js("return app.scene.toFile([])"))["ruler"], places)
+        self.page.press(Keys.ESCAPE)
+        self.assertEqual(picture(), plain)
+
     def test_a_film_of_key_frames_is_a_zip_of_pictures(self):
         self.page.key_frames_of_film(0.5, 64, 48)
         self.assertEqual(self.page.facts("keyFrames"), 2)

@@ -132,6 +132,8 @@ TEST_CASE("A movie's frame says which it is, and what all have in common") {
         R"({"type":"movie_frame","id":3,"index":0,"count":5,"fps":121,"width":64,"height":48})",
         R"({"type":"movie_frame","id":3,"index":0,"count":5,"fps":25,"width":64,"height":5000})",
         R"({"type":"movie_frame","index":0,"count":5,"fps":25,"width":64,"height":48})",
+        R"({"type":"snapshot","id":3,"format":"png","width":64,"height":48,"ruler":[[0,0,0],[1,0,0],[2,0,0],[3,0,0]]})",
+        R"({"type":"snapshot","id":3,"format":"png","width":64,"height":48,"ruler":[[0,0]]})",
         R"({"type":"cancel"})"})
     CHECK_THROWS_AS(parse_client_message(text, rules()), InputError);
 }

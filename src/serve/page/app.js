@@ -151,7 +151,7 @@ class App {
   /** The driver's scene, for those who watch. */
   follow(state) {
     if (this.driving || !this.hello) return;
-    this.scene.begin(this.hello.state, state);
+    this.scene.begin(this.hello.state, { ...state, ruler: this.scene.state.ruler });
     this.history.clear(this.scene.state);
     this.showUndo();
   }
@@ -206,6 +206,10 @@ class App {
     this.probing.hide();
     for (const key of keys) this.changed.add(key);
     this.redraw();
+    this.addressLater();
+  }
+
+  addressLater() {
     clearTimeout(this.fragmentTimer);
     this.fragmentTimer = setTimeout(() => this.writeFragment(), fragmentWait);
   }
@@ -286,8 +290,7 @@ class App {
     this.film.stop();
     this.series.stop();
     this.probing.hide();
-    this.probing.places = [];
-    this.redraw();
+    this.probing.lay([]);
   }
 
   // What shows it.
@@ -353,9 +356,10 @@ class App {
     if (keys.has('frame')) this.series.refresh();
     if (['frame', 'compare', 'difference'].some((key) => keys.has(key))) this.compare.refresh();
     this.slices.refresh();
-    const { state } = this.scene, { cross, second, places } = this.probing;
-    this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross: second ? null : cross, places,
-                                slices: this.slices.boxes(), legend: [...this.channels.legend(), ...this.labels.legend],
+    const { state } = this.scene, { cross, second } = this.probing;
+    this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross: second ? null : cross,
+                                ruler: this.probing.lengths(), slices: this.slices.boxes(),
+                                legend: [...this.channels.legend(), ...this.labels.legend],
                                 differs: this.compare.choice.gain > 0 });
     byId('cube').hidden = !settings.cube;
     if (settings.cube) this.viewPanel.turnCube(state.camera);

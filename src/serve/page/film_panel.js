@@ -123,7 +123,7 @@ export class FilmPanel {
       byId('film-progress').value = index;
       byId('film-words').textContent = `${index} of ${count}`;
       const state = sceneAt(frames, (index / (count - 1)) * (frames.length - 1), this.app.volume.dims);
-      yield await this.app.connection.ask({ ...question, index, state }, this.job.signal);
+      yield await this.app.connection.ask({ ...question, index, state, ruler: state.ruler }, this.job.signal);
     }
   }
 

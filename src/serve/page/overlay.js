@@ -103,14 +103,20 @@ function drawCross(context, colours, [x, y]) {
   strokeTwice(context, colours);
 }
 
-function drawRuler(context, colours, places) {
+function drawRuler(context, colours, places, words) {
   trace(context, places);
   strokeTwice(context, colours);
   for (const [x, y] of places) context.fillRect(x - 3, y - 3, 6, 6);
+  context.textAlign = 'left';
+  context.textBaseline = 'bottom';
+  words.forEach((text, k) => {
+    const [a, b] = [places[k], places[k + 1]];
+    write(context, colours, text, 0.5 * (a[0] + b[0]) + 6, 0.5 * (a[1] + b[1]) - 6);
+  });
 }
 
-/** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `places`: the ruler's; `legend`: names and colours; `differs`: the picture is a difference, whose colours stand for no values. Returns the scale bar that was drawn. */
-export function drawOverlay({ state, volume, seen, cross, slices, places, legend, differs }) {
+/** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `ruler`: its places and words; `legend`: names and colours; `differs`: the picture is a difference, whose colours stand for no values. Returns the scale bar that was drawn. */
+export function drawOverlay({ state, volume, seen, cross, slices, ruler, legend, differs }) {
   const { context, width, height } = fitCanvas(byId('overlay'));
   const colours = ink(state.background), project = (place) => seen.project(place).slice(0, 2);
   context.font = '12px system-ui, sans-serif';
@@ -128,7 +134,7 @@ export function drawOverlay({ state, volume, seen, cross, slices, places, legend
   if (settings.colours && !differs && !volume.labels.length && !state.channels.length)
     bottom = drawColourBar(context, colours, state.transfer_function, [low, high], height) - 10;
   if (settings.colours && !differs) drawLegend(context, colours, legend, bottom);
-  if (places.length > 1) drawRuler(context, colours, places.map(project));
+  if (ruler.places.length > 1) drawRuler(context, colours, ruler.places.map(project), ruler.words);
   if (cross) drawCross(context, colours, cross);
   return bar;
 }

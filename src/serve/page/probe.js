@@ -11,7 +11,11 @@ export class Probe {
     this.canvas = byId('picture');
     this.cross = null;  // CSS pixels of the canvas
     this.asked = 0;
-    this.places = [];  // on the lattice, the last three
+  }
+
+  /** The last three places, on the lattice. */
+  get places() {
+    return this.app.scene.state.ruler;
   }
 
   /** `second`: of the volume that is compared. */
@@ -53,15 +57,28 @@ export class Probe {
 
   /** Another end of the ruler. */
   mark(voxel) {
-    this.places = [...this.places.slice(-2), voxel];
+    this.lay([...this.places.slice(-2), voxel]);
+  }
+
+  lay(ruler) {
+    this.app.scene.measure(ruler);
+    this.app.addressLater();
     this.app.redraw();
+  }
+
+  /** The ruler's places, and what is written at the middle of its lines. */
+  lengths() {
+    const { places, app: { volume } } = this, ways = this.ways();
+    return { places, words: ways.map((way) => `${show(length(way), 5)} ${volume.unit || 'units'}`) };
+  }
+  ways() {
+    const world = this.places.map((place) => inWorld(this.app.volume, place));
+    return world.slice(1).map((to, k) => sum([1, to], [-1, world[k]]));
   }
 
   /** From the place before to the last one; and the angle at the middle of three. */
   measures() {
-    const { volume } = this.app, world = this.places.map((place) => inWorld(volume, place));
-    const ways = world.slice(1).map((to, k) => sum([1, to], [-1, world[k]])), words = [];
-    if (ways.length) words.push(`${show(length(ways.at(-1)), 5)} ${volume.unit || 'units'} from the place before`);
+    const ways = this.ways(), words = this.lengths().words.slice(-1).map((far) => `${far} from the place before`);
     if (ways.length > 1) {
       const cosine = -dot(...ways) / (length(ways[0]) * length(ways[1]) || 1);
       words.push(`angle at that ${show((180 / Math.PI) * Math.acos(clamp(cosine, -1, 1)), 4)}°`);

@@ -30,6 +30,7 @@ const checks = {
   frame: (f) => Number.isInteger(f) && f >= 0,
   compare: (f) => f === null || (Number.isInteger(f) && f >= 0),
   difference: (gain) => [0, 1, 4, 16].includes(gain),
+  ruler: (places) => Array.isArray(places) && places.length <= 3 && places.every((place) => isNumbers(place, 3)),
 };
 
 /** Keeps the known, valid members of a state from outside; names the others. */
@@ -58,9 +59,14 @@ export class Scene {
 
   /** Takes the server's initial scene; what `kept` has stays. */
   begin(defaults, kept = {}) {
-    this.defaults = defaults;
-    this.state = { ...defaults, ...kept, camera: { ...defaults.camera, ...kept.camera } };
+    this.defaults = { ruler: [], ...defaults };
+    this.state = { ...this.defaults, ...kept, camera: { ...defaults.camera, ...kept.camera } };
     this.onChange(Object.keys(this.state));
+  }
+
+  /** Lays the page's own ruler, which no picture waits for, through these places. */
+  measure(ruler) {
+    if (this.state) this.state = { ...this.state, ruler };
   }
 
   /** Replaces some members; a camera may be given in part. */

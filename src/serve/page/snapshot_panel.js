@@ -44,7 +44,7 @@ export class SnapshotPanel {
     try {
       const { state } = this.app.scene, stem = `${fileStem(this.app.volume.name)}-${width}x${height}`;
       const ask = async (part) => (await this.app.connection.ask(
-        { type: 'snapshot', width, height, format, state: { ...state, ...part } })).blob;
+        { type: 'snapshot', width, height, format, ruler: state.ruler, state: { ...state, ...part } })).blob;
       if (this.app.compare.choice.compare === null) download(`${stem}.${format}`, await ask({}));
       else download(`${stem}-compared.zip`, zip(await this.app.compare.files(ask, format)));
       byId('snapshot-words').textContent = 'saved';

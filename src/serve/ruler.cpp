@@ -1,0 +1,73 @@
+#include "serve/ruler.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
+#include <optional>
+
+#include "frame/frame_geometry.hpp"
+
+namespace ringsplat::serve {
+namespace {
+
+struct Line {
+  glm::dvec2 from, to;
+};
+
+/// What lies in the picture, so that a line's mask is never larger.
+std::optional<Line> within(const Line& line, const glm::dvec2& size) {
+  const glm::dvec2 way = line.to - line.from;
+  double first = 0, last = 1;
+  for (int k = 0; k < 2; ++k) {
+    const double a = -line.from[k] / way[k], b = (size[k] - line.from[k]) / way[k];
+    if (way[k] != 0)
+      first = std::max(first, std::min(a, b)), last = std::min(last, std::max(a, b));
+    else if (!(line.from[k] >= 0 && line.from[k] <= size[k]))
+      return std::nullopt;
+  }
+  if (!(first < last)) return std::nullopt;
+  return Line{line.from + first * way, line.from + last * way};
+}
+
+std::string angle_text(const glm::dvec3& a, const glm::dvec3& b) {
+  const double degrees = glm::degrees(std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+  return fmt::format("{:.4g} deg", degrees);  // some fonts and libraries lack the sign
+}
+
+}  // namespace
+
+Overlay ruler_overlay(const Ruler& ruler, const Shown& shown, const Grid& grid, const std::string& unit,
+                      const glm::dvec3& background) {
+  const ViewTransform view = make_view(shown.camera, lattice_frame(grid), shown.width, shown.height);
+  const int letter = std::max(10, std::min(shown.width, shown.height) / 34);
+  const glm::dvec3 ink(glm::dot(background, glm::dvec3(0.299, 0.587, 0.114)) > 0.55 ? 0.0 : 1.0);
+  Overlay overlay;
+  const auto draw = [&](const Mask& mask) {
+    overlay.push_back(inked(mask, ink, 1.0 - ink, std::max(1.0, 0.1 * letter)));
+  };
+  const auto write = [&](const std::string& words, const glm::dvec2& beside) {
+    Mask text = text_mask(words, letter);
+    text.x = int(beside.x) + letter / 2;
+    text.y = int(beside.y) - text.height - letter / 2;
+    draw(text);
+  };
+  std::vector<glm::dvec3> ways;
+  for (std::size_t k = 1; k < ruler.size(); ++k) {
+    const glm::dvec3 &from = ruler[k - 1], &to = ruler[k];
+    ways.push_back(grid.direction * (grid.spacing * (to - from)));
+    if (!std::isfinite(view.magnification(from)) || !std::isfinite(view.magnification(to))) continue;
+    const auto line = within({view.seen_at(from), view.seen_at(to)}, {shown.width, shown.height});
+    if (!line) continue;
+    draw(line_mask(line->from, line->to, std::max(1.0, 0.12 * letter)));
+    write(fmt::format("{:.5g} {}", glm::length(ways.back()), unit.empty() ? "units" : unit),
+          0.5 * (line->from + line->to));
+    if (ways.size() == 2) write(angle_text(-ways[0], ways[1]), line->from);
+  }
+  return overlay;
+}
+
+}  // namespace ringsplat::serve
