@@ -1,5 +1,6 @@
 """The viewer from Python."""
 
+import http.client
 import os
 import subprocess
 import sys
@@ -46,6 +47,19 @@ def test_frames_are_allowed_only_where_it_is_said(tmp_path):
         assert "frame-ancestors 'none';" in policy_of(view.url)
     with pytest.raises(rs.InputError, match="allow-frame"):
         rs.view(HEAD, frame_origins=["*; script-src *"])
+
+
+def test_a_page_goes_through_a_jupyter_server():
+    with rs.view(HEAD, through="https://hub.example.org/user/anna/") as view:
+        page, token = view.url.split("#")
+        port = page.split("/")[-2]
+        assert page == f"https://hub.example.org/user/anna/proxy/{port}/" and token
+        for host, status in (("hub.example.org", 200), ("example.org", 421)):
+            connection = http.client.HTTPConnection("127.0.0.1", int(port), timeout=10)
+            connection.request("GET", "/", headers={"Host": host})
+            reply = connection.getresponse()
+            assert reply.status == status
+            assert status != 200 or "https://hub.example.org" in reply.headers["Content-Security-Policy"]
 
 
 @pytest.mark.parametrize(

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import tempfile
 import threading
+import urllib.parse
 import weakref
 from typing import IO, Any, Sequence
 
@@ -38,7 +39,7 @@ class View(contextlib.AbstractContextManager["View"]):
     It is served from a process of its own, which ends with close(), with this object, or with Python.
     """
 
-    def __init__(self, command: Sequence[str], folder: str, width: str, height: int) -> None:
+    def __init__(self, command: Sequence[str], folder: str, width: str, height: int, through: str | None) -> None:
         self._size = (width, height)
         environment = {
             **os.environ,
@@ -59,6 +60,9 @@ class View(contextlib.AbstractContextManager["View"]):
             self._finalizer = weakref.finalize(self, _end, self._process, folder)
             try:
                 self.url = self._read_url(errors)
+                if through is not None:
+                    here = urllib.parse.urlsplit(self.url)
+                    self.url = f"{through.rstrip('/')}/proxy/{here.port}/#{here.fragment}"
             except BaseException:
                 self.close()
                 raise
@@ -111,13 +115,15 @@ def view(
     height: int = 640,
     port: int = 0,
     frame_origins: Sequence[str] = LOCAL_PAGES,
+    through: str | None = None,
     **options: Any,
 ) -> View:
     """Shows a volume on the viewer's page, to be turned and changed there; in a notebook in the output cell.
 
     `volume` and its place are those of render(); an array is written into a temporary file. `width` and `height` are the
     frame's, `port` the page's (0: any). Only pages of `frame_origins` may show it in a frame; without others these are
-    pages of this machine. The notebook's browser must reach 127.0.0.1 of Python's machine. `options` are those of
+    pages of this machine. The notebook's browser must reach 127.0.0.1 of Python's machine, or go `through` a Jupyter
+    server with jupyter-server-proxy: its address, such as "https://hub.example.org/user/anna". `options` are those of
     `ringsplat serve`: tf, azimuth, elevation, zoom, size, shading, range, opacity, colours, background, clip.
     """
     source = volume_of(volume, spacing, origin, direction, unit)
@@ -128,8 +134,14 @@ def view(
             path = os.path.join(folder, "array.nrrd")
             _core.write_volume(source.core(), path)
         with command_line(options) as (words, _):
-            frames = [f"--allow-frame={one}" for one in frame_origins]
-            return View(["serve", path, f"--port={port}", *frames, *source.words, *words], folder, width, height)
+            allowed = [f"--allow-frame={one}" for one in frame_origins]
+            if through is not None:
+                server = urllib.parse.urlsplit(through)
+                origin_of_server = f"{server.scheme}://{server.netloc}"
+                allowed += [f"--allow-host={server.netloc}"]
+                allowed += [f"--allow-{what}={origin_of_server}" for what in ("origin", "frame")]
+            command = ["serve", path, f"--port={port}", *allowed, *source.words, *words]
+            return View(command, folder, width, height, through)
     except BaseException:
         shutil.rmtree(folder, ignore_errors=True)
         raise
