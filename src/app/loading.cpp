@@ -229,8 +229,8 @@ void log_roles(const Job& job, const Launch& launch) {
 
 }  // namespace
 
-void check_memory(const Job& job, std::size_t pictures, const Launch& launch, std::size_t volumes) {
-  const double machine = machine_memory_bytes(), held = slice_bytes_here(job, launch, true) * double(volumes),
+void check_memory(const Job& job, std::size_t pictures, const Launch& launch, double volumes) {
+  const double machine = machine_memory_bytes(), held = slice_bytes_here(job, launch, true) * volumes,
                frames = picture_bytes_here(job, pictures, launch);
   if (held + frames <= machine) return;
   throw InputError(
@@ -271,15 +271,16 @@ Scene load(const Job& job, OpenedVolume& volume, Progress& progress, Launch& lau
   const auto watched = launch.collectives().watched(fmt::format("reading {}", volume.name));
   progress.begin("loading", 1);
   LoadOptions told = job.load;
-  told.told = [&](double part) {
+  told.told = [&](double part, bool in_step) {
     // Memory for the slices comes before, at no pace that tells of the rest.
     if (part == 0) progress.begin("loading", 1);
     progress.at(part);
+    if (in_step && job.load.told) job.load.told(part, true);
   };
   Scene scene = load_scene(volume, told, job.layout, launch.wiring(job.options.run.loopback));
   progress.end();
   volume.source.reset();
-  check_values(scene.values, "check the file's --type and --endian");
+  if (!job.load.coarse) check_values(scene.values, "check the file's --type and --endian");
   return scene;
 }
 

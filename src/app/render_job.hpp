@@ -84,7 +84,7 @@ void settle_layout(Job& job, std::size_t pictures, std::size_t volumes, Launch& 
 
 /// Throws the InputError of settle_layout() where this machine's part of `volumes` of the job's series
 /// exceeds its memory.
-void check_memory(const Job& job, std::size_t pictures, const Launch& launch, std::size_t volumes = 1);
+void check_memory(const Job& job, std::size_t pictures, const Launch& launch, double volumes = 1);
 
 // What all runs do that render a volume.
 

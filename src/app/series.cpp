@@ -197,7 +197,7 @@ Scene SeriesLoader::load(std::size_t k) {
   if (volume->source && job_.parts() > 1)
     volume->source = std::make_unique<NotingSource>(std::move(volume->source), runs_);
   try {
-    Progress& progress = std::exchange(loaded_one_, true) ? silent_ : progress_;
+    Progress& progress = std::exchange(loaded_one_, !job_.load.coarse) ? silent_ : progress_;
     return app::load(job_, *volume, progress, launch_);
   } catch (const InputError& e) {
     const std::string what = e.what();

@@ -110,6 +110,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.frames.clear();
   for (const SeriesEntry& volume : job.series) v.frames.push_back(volume.name);
   v.frame = o.frame;
+  v.coarse = job.load.coarse;
   v.initial.shown = o.frame.shown;
   if (o.more_volumes.size() == 1) v.initial.compared = 1;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
@@ -204,7 +205,7 @@ std::vector<int> load_next(const std::vector<int>& next, const std::vector<int>&
   int failed = next.back();
   try {
     const std::size_t count = next.size();
-    launch.check_on_all_ranks([&] { check_memory(job, count * pictures_held, launch, count); });
+    launch.check_on_all_ranks([&] { check_memory(job, count * pictures_held, launch, double(count)); });
     for (std::size_t k = scene.grid.voxels() > 0 ? 1 : 0; k < count; ++k) {
       failed = next[k];
       loader.load_channels(scene, std::size_t(failed));
@@ -219,6 +220,62 @@ std::vector<int> load_next(const std::vector<int>& next, const std::vector<int>&
   }
   if (viewer != nullptr) viewer->loaded({next, ranges_of(scene)});
   return next;
+}
+
+/// Whether to show coarse data while the first volume is loaded: of one that takes its time, where slices can
+/// be left out and there is memory for an eighth more.
+bool begins_coarse(const ServeOptions& options, const Job& job, Launch& launch) {
+  const OpenedVolume& volume = job.volume;
+  const double bytes = double(volume.grid.bytes()) * double(job.channels_drawn());
+  if (!volume.concurrent || volume.layer_depth > 1 || volume.has_labels || job.load.factors.size() == 1 ||
+      !options.picture.more_volumes.empty() || bytes < options.coarse_above_mib * (1 << 20))
+    return false;
+  try {
+    launch.check_on_all_ranks([&] { check_memory(job, pictures_held, launch, 1.125); });
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+/// Thrown on all ranks where the viewer has ended while a volume was loaded.
+struct Ended {};
+
+/// Loads the first volume, of which the ranks hold `coarse`. Between the portions that are read and dealt
+/// they draw a picture of that where a page wants one.
+Scene load_behind(const Scene& coarse, SeriesLoader& loader, Job& job, serve::Viewer* viewer,
+                  Launch& launch) {
+  enum class Act { go_on, draw, end };
+  Scene whole;
+  job.load.told = [&](double part, bool) {
+    Act act = Act::go_on;
+    Director once;
+    if (viewer != nullptr) {
+      viewer->tell(serve::loading_text((double(whole.others.size()) + part) / double(job.channels_drawn())));
+      once = viewer->director();
+      auto frames = once.next_picture();
+      if (!frames.empty())
+        act = Act::draw;
+      else if (!once.may_come() && viewer->next_volumes().empty())
+        act = Act::end;
+      once.may_come = {};
+      once.next_picture = [frames = std::move(frames)]() mutable { return std::exchange(frames, {}); };
+    }
+    act = launch.of_rank_0(act);
+    if (act == Act::end) throw Ended();
+    if (act == Act::go_on) return;
+    const PlainFloats as_while_loading;
+    launch.collectives().end_watch();  // frames have their own
+    render_all(job, job.options.run.protocol, coarse, std::move(once), launch);
+    launch.collectives().begin_watch(fmt::format("reading {}", job.options.volume.path), true);
+  };
+  loader.load_channels(whole, 0);
+  job.load.told = {};
+  if (viewer != nullptr) {
+    viewer->loaded({{0}, ranges_of(whole)});
+    viewer->tell(serve::loading_text(1));
+  }
+  return whole;
 }
 
 /// Shows one volume of the series after another, or two together, as pages ask for them; the next in the same
@@ -246,22 +303,29 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   std::unique_ptr<serve::Viewer> viewer;
   Warnings warnings;
   Job job = prepare(options, launch);
+  const bool begin_coarse = begins_coarse(options, job, launch);
   Progress progress(launch.rank() != 0, stderr);
   SeriesLoader loader(job, pictures_held, progress, launch);
   if (!options.picture.more_volumes.empty()) loader.check_all();
   Scene scene;
-  loader.load_channels(scene, 0);
   MadeFunction made;
-  launch.check_on_rank_0([&] {
-    made = job.channels.empty() ? job.transfer_function->make(scene.values)
-                                : make_function(job.channels.front(), job.options, scene.values);
-  });
+  const auto load_first = [&](bool coarse) {
+    scene = {};
+    job.load.coarse = coarse;
+    loader.load_channels(scene, 0);
+    if (coarse && scene.values.range.empty()) return false;
+    launch.check_on_rank_0([&] {
+      made = job.channels.empty() ? job.transfer_function->make(scene.values)
+                                  : make_function(job.channels.front(), job.options, scene.values);
+    });
+    return true;
+  };
+  if (!load_first(begin_coarse)) load_first(false);
   if (job.channels.empty() && launch.of_rank_0(made.interpolation == Interpolation::nearest) &&
       job.load.factors.size() > 1) {
-    // A mean of labels is another label.
+    // A mean of labels is another label, and coarse data may lack some.
     job.options.frame.shown.reduction.prefilter = job.load.prefilter = false;
-    scene = {};
-    scene = loader.load(0);
+    load_first(false);
   }
   launch.check_on_rank_0([&] {
     viewer = serve::make_viewer(viewer_options(options, job, scene, std::move(made), launch));
@@ -277,7 +341,10 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   const auto opened = viewer && options.open ? open_in_browser(viewer->url()) : nullptr;
   if (!viewer) leave_the_end_to_rank_0();
   try {
+    if (std::exchange(job.load.coarse, false)) scene = load_behind(scene, loader, job, viewer.get(), launch);
     show_series(loader, std::move(scene), job, viewer.get(), launch);
+  } catch (const Ended&) {
+    // In order, as after a run.
   } catch (const std::exception& e) {
     if (viewer) viewer->end(e.what());
     throw;

@@ -177,6 +177,7 @@ struct ServeOptions {
   /// The volume, the run, and the view that is shown first. Its method is the viewer's to choose.
   RenderOptions picture;
   double target_ms = 40;
+  double coarse_above_mib = 128;
   std::string address = "127.0.0.1";
   int port = 0;
   std::vector<std::string> allowed_hosts, allowed_origins, allowed_frames;

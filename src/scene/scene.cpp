@@ -33,7 +33,10 @@ void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, c
 
 /// `all` for a part of the loading: the share of its time that begins at `begin`.
 LoadOptions told_of(LoadOptions options, const LoadOptions& all, double begin, double share) {
-  if (all.told) options.told = [&all, begin, share](double part) { all.told(begin + share * part); };
+  if (all.told)
+    options.told = [&all, begin, share](double part, bool in_step) {
+      all.told(begin + share * part, in_step);
+    };
   return options;
 }
 
@@ -93,6 +96,27 @@ void add_labels(Scene& scene, OpenedVolume& volume, LoadOptions options, const S
     store.know_labels(std::make_shared<const SliceStore>(std::move(dealt.stores.at(gp))));
 }
 
+/// The levels of LoadOptions::coarse: of what is read by whole slices, half of the bytes.
+Scene deal_coarse(OpenedVolume& volume, LoadOptions options, const Sharing& sharing) {
+  const Reduction halving{2};
+  OpenedVolume half{reduced_grid(volume.grid, halving), volume.concurrent, nullptr, {}, volume.notes};
+  if (volume.source) half.source = reduced_source(*volume.source, halving);
+  options.coarse = options.prefilter = false;
+  std::erase(options.factors, 1);
+  for (int& factor : options.factors) factor /= 2;
+  Scene scene = deal_scene(half, options, sharing);
+  scene.grid = volume.grid;
+  for (auto& [gp, store] : scene.stores) {
+    SliceStore levels(volume.grid, gp, sharing.dealing, {}, false);
+    for (const int factor : options.factors) levels.add_level(2 * factor, store.level(factor));
+    store = std::move(levels);
+  }
+  auto sketch = std::make_shared<VolumeSketch>(*scene.sketch);
+  sketch->dims = volume.grid.dims;
+  scene.sketch = std::move(sketch);
+  return scene;
+}
+
 /// What process 0 tells the others of the volume it has opened. In one piece, as a grid by itself is told by
 /// its members elsewhere (formats/decode/messages.hpp), and there may be one way for each type.
 struct Known {
@@ -106,6 +130,7 @@ struct Known {
 }  // namespace
 
 Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, const Sharing& sharing) {
+  if (options.coarse) return deal_coarse(volume, options, sharing);
   if (options.clip) check(*options.clip, volume.grid);
   Scene scene;
   scene.grid = volume.grid;
@@ -120,7 +145,7 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, const Sharing
     scene.sketch = share_sketch(scene.stores, volume.grid, all_axes[std::size_t(axis)], sharing.collectives);
   // Who is told may end the loading; the values and ranges of a large volume take their time, too.
   const auto tell = [&] {
-    if (options.told) options.told(begun);
+    if (options.told) options.told(begun, true);
   };
   tell();
   scene.values = share_values(scene.stores, volume.grid, volume.notes, sharing.collectives);

@@ -214,18 +214,19 @@ std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& o
   const bool alone = volume.concurrent && volume.layer_depth == 1;
   // Slices are read and dealt in turns.
   double read = 0, dealt = 0;
-  const auto note = [&](double& slices, double end) {
+  const auto note = [&](double& slices, double end, bool in_step) {
     slices = end;
-    if (options.told) options.told((alone ? dealt : 0.5 * (read + dealt)) / volume.grid.dims.z);
+    if (options.told) options.told((alone ? dealt : 0.5 * (read + dealt)) / volume.grid.dims.z, in_step);
   };
   std::unique_ptr<SliceSupply> supply;
   if (alone)
     supply = std::make_unique<ReadingSupply>(*volume.source);
   else
     supply = std::make_unique<DecodingSupply>(
-        volume, [&](double z) { note(read, z); }, sharing.collectives);
-  note(read, 0);
-  return deal_slices(volume.grid, *supply, {options, sharing, nullptr, [&](int end) { note(dealt, end); }});
+        volume, [&](double z) { note(read, z, false); }, sharing.collectives);
+  note(read, 0, true);
+  return deal_slices(volume.grid, *supply,
+                     {options, sharing, nullptr, [&](int end) { note(dealt, end, true); }});
 }
 
 std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores,

@@ -216,7 +216,7 @@ class PageViewer final : public Viewer, ServerEvents {
     const std::lock_guard lock(mutex_);
     if (ended_ || !next_volumes_.empty()) return {};
     Frames frames = next_picture();
-    if (frames.empty() && next_volumes_.empty()) {
+    if (frames.empty() && next_volumes_.empty() && !views_.held().coarse) {
       frames = requests_.next(next_frame_, views_.held());
       const auto volume = frames.empty() ? requests_.wanted_volume(views_.held()) : std::nullopt;
       if (volume) ask_for({*volume});

@@ -53,6 +53,7 @@ struct ShownChannel {
 struct HeldVolumes {
   std::vector<int> volumes;
   std::vector<ValueRange> ranges;  ///< of each channel of the first, then of the second
+  bool coarse = false;             ///< of the only one there are levels without a prefilter, not the whole
 
   bool hold(int volume) const { return std::ranges::find(volumes, volume) != volumes.end(); }
   /// Where the ranks have a held volume's first channel.
@@ -74,6 +75,7 @@ struct ViewerOptions {
   int ranks = 1;
   ShownVolume volume;                   ///< the first of the series
   std::vector<std::string> frames{""};  ///< names of the series' volumes; one without a series
+  bool coarse = false;                  ///< as HeldVolumes', of the first run
   SceneState initial;
   std::vector<std::pair<Mode, TransferFunction>> modes;  ///< that can be chosen, each with its first function
   std::vector<ShownChannel> channels;                    ///< as many as `initial` has
@@ -151,6 +153,8 @@ std::string hello_text(const ViewerOptions& options, const std::vector<Level>& l
 /// What becomes of a frame of a series: "loading", "shown" from now on, or "failed".
 std::string frame_text(int frame, std::string_view status);
 std::string run_text(const RunState& run);
+/// Which part of a volume is loaded, 0 ... 1, of which coarse data is shown meanwhile.
+std::string loading_text(double part);
 /// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO". `id`: of the message that it answers.
 std::string error_text(std::string_view what, std::optional<std::uint32_t> id = std::nullopt);
 /// `what`: as of an error.

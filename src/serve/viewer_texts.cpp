@@ -125,6 +125,8 @@ std::string run_text(const RunState& run) {
                   {"parameters", run.parameters}});
 }
 
+std::string loading_text(double part) { return text_of({{"type", "loading"}, {"part", part}}); }
+
 std::string error_text(std::string_view what, std::optional<std::uint32_t> id) {
   json error = said("error", what);
   if (id) error["id"] = *id;

@@ -66,7 +66,7 @@ class Views {
       : options_(options),
         levels_(make_levels(options.volume.grid.dims)),
         controller_(options.target_seconds),
-        held_{{0}, options.volume.ranges} {}
+        held_{{0}, options.volume.ranges, options.coarse} {}
 
   const std::vector<Level>& levels() const { return levels_; }
   /// True when the ranks hold all volumes that the scene shows.
@@ -79,7 +79,9 @@ class Views {
   /// Of the view that is drawn now; of the volume that is compared below.
   std::vector<VolumeFrame> frames(int level) const {
     const SceneState& scene = current_->message.scene;
-    const auto parts = frames_of(scene, levels_[std::size_t(level)], options_);
+    auto parts = frames_of(scene, levels_[std::size_t(level)], options_);
+    if (held_.coarse)
+      for (VolumeFrame& part : parts) part.spec.shown.reduction.prefilter = false;
     auto frames = held_.frames_of(scene.frame, parts);
     if (!scene.compared) return frames;
     const auto others = held_.frames_of(*scene.compared, parts);
@@ -97,6 +99,7 @@ class Views {
   void loaded(const HeldVolumes& held) {
     held_ = held;
     not_yet_seen_ = true;
+    if (current_) expect();
   }
   void not_loaded(int volume) {
     for (std::optional<View>* const view : {&newest_, &current_})
@@ -127,11 +130,11 @@ class Views {
   /// True when nothing finer will come of it. What is drawn at best while the view moves is sent with less
   /// quality, and once more when it rests.
   bool drawn(const Wish& wish) {
-    const int best = int(levels_.size()) - 1;
+    const int best = controller_.levels() - 1;
     const bool done = wish.rests && wish.level == best;
     if (current_ && current_->scene == wish.view.scene)
       current_->shown = done ? best : std::min(*wish.level, best - 1);
-    return done;
+    return done && !held_.coarse;
   }
   void took(int level, double seconds) { controller_.took(level, seconds); }
 
@@ -148,8 +151,13 @@ class Views {
     View view = *std::exchange(newest_, std::nullopt);
     if (current_ && current_->scene == view.scene) view.shown = current_->shown;
     current_ = std::move(view);
+    expect();
+  }
+
+  /// Tells the controller what the current view costs at those levels that the ranks can draw.
+  void expect() {
     std::vector<double> costs;
-    for (std::size_t k = 0; k < levels_.size(); ++k) {
+    for (std::size_t k = 0; k < levels_.size() && !(held_.coarse && levels_[k].undersample == 1); ++k) {
       const auto parts = frames(int(k));
       // To reduce a volume for a single picture takes longer than to draw it.
       const double one = changes_ && levels_[k].undersample > 1

@@ -269,7 +269,7 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
   const Block told = s.wiring.collectives.broadcast(needed ? to_bytes(*needed) : Block{}, 0);
   if (told.empty()) return;
   needed = value_of<LoadOptions>(told, "what frames need");
-  if (s.wiring.loopback.poll) needed->told = [poll = s.wiring.loopback.poll](double) { poll(); };
+  if (s.wiring.loopback.poll) needed->told = [poll = s.wiring.loopback.poll](double, bool) { poll(); };
   // What is thrown between messages would leave the other ranks waiting.
   std::exception_ptr thrown;
   const auto take_one = [&](FrameResult&& result) {

@@ -1,11 +1,12 @@
 // Preloaded: does something to a file just before the program reads the part of it that begins at byte
 // FAULT_AT, while it is open. FAULT: truncate, change or remove; or, on rank FAULT_RANK, hang (as file
-// systems do) or stop.
+// systems do) or stop; or wait: a process's n-th such read begins when there is a file FAULT_GATE + n.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <cstring>
@@ -37,6 +38,13 @@ void harm(int descriptor, const std::string& fault) {
   if (!done) std::abort();
 }
 
+std::atomic<int> reads{0};
+
+void wait_for(const std::string& gate) {
+  constexpr int between = 5000;  // microseconds
+  while (access(gate.c_str(), F_OK) != 0) usleep(between);
+}
+
 }  // namespace
 
 extern "C" ssize_t pread(int descriptor, void* bytes, size_t count, off_t offset) {
@@ -46,7 +54,10 @@ extern "C" ssize_t pread(int descriptor, void* bytes, size_t count, off_t offset
   const char* const fault = std::getenv("FAULT");
   if (at != nullptr && fault != nullptr && std::atoll(at) == offset) {
     const bool hang = std::strcmp(fault, "hang") == 0, stop = std::strcmp(fault, "stop") == 0;
-    if (!hang && !stop) harm(descriptor, fault);
+    if (const char* const gate = std::getenv("FAULT_GATE"); gate != nullptr)
+      wait_for(gate + std::to_string(++reads));
+    else if (!hang && !stop)
+      harm(descriptor, fault);
     while (hang && is_rank(std::getenv("FAULT_RANK"))) pause();
     if (stop && is_rank(std::getenv("FAULT_RANK"))) raise(SIGSTOP);
   }

@@ -161,7 +161,7 @@ TEST_CASE("loading tells how much of its time has passed, from its begin to its 
       std::vector<double> told;
       LoadOptions options;
       options.factors = {1, 2};
-      options.told = [&](double part) { told.push_back(part); };
+      options.told = [&](double part, bool) { told.push_back(part); };
       SoloCollectives solo;
       OpenedVolume volume = open_everywhere(
           solo, [&] { return std::make_unique<LayerSource>(grid, voxels, depth, concurrent, reads); });
@@ -171,4 +171,16 @@ TEST_CASE("loading tells how much of its time has passed, from its begin to its 
       CHECK(told.front() >= 0);
       CHECK(told.back() == Approx(1));
     }
+}
+
+TEST_CASE("coarse data has levels of every second voxel, for which only every second slice is read") {
+  LoadOptions options;
+  options.factors = {2, 4};
+  const auto expected = dealt_from_memory(options);
+  options.coarse = options.prefilter = true;
+  Reads reads;
+  const bool same =
+      dealt([&] { return std::make_unique<LayerSource>(grid, voxels, 1, true, reads); }, options) == expected;
+  CHECK(same);
+  CHECK(std::ranges::none_of(reads.ranges, [](const auto& range) { return range.first % 2 != 0; }));
 }

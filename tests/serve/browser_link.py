@@ -1,12 +1,15 @@
-"""What the page says when there is no token, when ranks stand still, and when the job warns."""
+"""What the page says when there is no token, when ranks stand still, when the job warns, and while it loads."""
 
 import os
 import signal
+import types
 
 from selenium.webdriver.common.keys import Keys
 
+import browser_test
 from browser_test import WithPage, jack
-from viewer_client import ranks_of
+from coarse_cases import gated, make_large, open_gates
+from viewer_client import Server, ranks_of
 
 LINK = "document.getElementById('link').textContent"
 
@@ -46,3 +49,24 @@ class Link(WithPage):
                 os.kill(rank, signal.SIGCONT)
         page.settle()
         page.wait(f"{LINK} === 'connected'")
+
+    def test_coarse_data_is_said_to_be_shown_until_the_volume_is_loaded(self):
+        page, arguments = self.page, browser_test.arguments
+        volume = make_large(types.SimpleNamespace(program=arguments.ringsplat, scratch=self.folder))
+        server = Server(["env", *gated(self.folder, arguments.faults), arguments.ringsplat, "serve", volume, "--coarse-above", "0"])
+        self.addCleanup(server.stop)
+        page.driver.get("about:blank")
+        page.driver.get(server.url)
+        page.wait("ringsplat?.driving && !document.getElementById('loading').hidden")
+        self.assertIn("Coarse data", page.text("loading"))
+        for gate in (1, 2):
+            shown = page.js("const {seq} = ringsplat; document.getElementById('picture').dispatchEvent("
+                            "new KeyboardEvent('keydown', {key: 'ArrowRight', bubbles: true})); return seq")
+            page.wait(f"ringsplat.seq > {shown}")
+            open_gates(self.folder, gate)
+            page.wait(f"ringsplat.shown.at(-1)?.seq > {shown}")
+            self.assertIn("coarse data", page.text("facts"))
+        open_gates(self.folder, *range(3, 12))
+        page.settle()
+        self.assertFalse(page.find("loading").is_displayed())
+        self.assertIn("full quality", page.text("facts"))

@@ -213,6 +213,7 @@ def main():
     global arguments, scratch
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--ringsplat", required=True, help="the program")
+    parser.add_argument("--faults", help="what is preloaded to make files do as a test wants")
     parser.add_argument("--launch", default="", help="what starts it, such as 'mpirun -n 4'")
     parser.add_argument("--screenshots", metavar="DIR", help="write pictures of the page there instead of testing")
     parser.add_argument("tests", nargs="*", help="names of tests; all without")

@@ -7,6 +7,7 @@ import argparse, os, shutil, signal, socket, struct, subprocess, sys, time
 import viewer_client as vc
 from access_cases import allowed, fake_browser, opens, packed_page, page, strangers
 from channel_cases import SHOWN, channels, make_channels
+from coarse_cases import coarse, coarse_ends, coarse_stopped, gated, make_large
 from compare_cases import compared, make_two, two_volumes
 from movie_cases import fake_ffmpeg, movie_failures, movies, no_ffmpeg
 from series_cases import make_series, series, series_failures, series_quickly
@@ -355,18 +356,20 @@ def returning(options, server):
         client.close()
 
 
+COARSE = ("--coarse-above", "0", "--tf", "{scratch}/tf.json", *gated("{scratch}", "{faults}"))
 SERIES = ("--frames", "all", "--tf", "mr-soft")
 CASES = {"page": (page,), "packed_page": (packed_page,), "strangers": (strangers,),
          "allowed": (allowed, "--allow-host", "node7:9999", "--allow-origin", "https://hub.example.org"),
          "opens": (opens, "--open", "XDG_RUNTIME_DIR={scratch}/own", "PATH={scratch}/bin:/usr/bin:/bin"),
          "bad_messages": (bad_messages,), "crowd": (crowd,), "acknowledgement": (acknowledgement,),
          "slow_reader": (slow_reader,), "flood": (flood,), "quick_views": (quick_views,), "watchers": (watchers,), "probes": (probes,),
-         "same_as_program": (same_as_program,), "labels": (labels,), "hounsfield": (hounsfield,), "sums": (sums, "--mode", "sum"), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
+         "same_as_program": (same_as_program,), "labels": (labels, "--coarse-above", "0"), "hounsfield": (hounsfield,), "sums": (sums, "--mode", "sum"), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
          "errors_have_numbers": (errors_have_numbers,), "returning": (returning,), "movies": (movies, "TMPDIR={scratch}"),
          "movie_failures": (movie_failures, "TMPDIR={scratch}", "PATH={scratch}/bin"),
          "series": (series, *SERIES), "series_quickly": (series_quickly, *SERIES),
          "series_failures": (series_failures, *SERIES), "compared": (compared, *SERIES),
          "two_volumes": (two_volumes, "{scratch}/b/density.nrrd"),
+         "coarse": (coarse, *COARSE), "coarse_ends": (coarse_ends, *COARSE), "coarse_stopped": (coarse_stopped, *COARSE),
          "channels": (channels, "--channel", SHOWN), "slices": (slices,),
          "no_ffmpeg": (no_ffmpeg, "TMPDIR={scratch}", "PATH={scratch}/empty")}
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
@@ -379,6 +382,7 @@ if __name__ == "__main__":
     parser.add_argument("--ranks", type=int, default=0)
     parser.add_argument("--mpiexec", default="mpiexec")
     parser.add_argument("--scratch", default=".")
+    parser.add_argument("--faults", help="what is preloaded to make files do as a test wants")
     given = parser.parse_args()
     test, *more = CASES[given.case]
     if given.case == "movies" and not (shutil.which("ffmpeg") and shutil.which("ffprobe")):
@@ -392,13 +396,15 @@ if __name__ == "__main__":
     if "--frames" in more:
         given.volume = make_series(given)
     made = {"labels": make_labels, "hounsfield": make_ct, "channels": make_channels,
+            **dict.fromkeys(("coarse", "coarse_ends", "coarse_stopped"), make_large),
             "two_volumes": make_two}
     if given.case in made:
         given.volume = made[given.case](given)
-    running = start(given, *(word.format(scratch=given.scratch) for word in more))
+    running = start(given, *(word.format(scratch=given.scratch, faults=given.faults) for word in more))
     try:
         test(given, running)
-        expect(running.process.poll() is None or given.case in ("ends", "killed_rank", "movie_failures", "opens"), "the server is gone")
+        may_be_gone = ("ends", "coarse_ends", "coarse_stopped", "killed_rank", "movie_failures", "opens")
+        expect(running.process.poll() is None or given.case in may_be_gone, "the server is gone")
         if running.process.poll() is None:
             expect(running.stop() == 0, "the job failed: " + running.errors)
     except BaseException:

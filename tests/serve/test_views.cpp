@@ -127,3 +127,21 @@ TEST_CASE("Of every volume of a series that was loaded one picture is drawn befo
   views.not_loaded(3);
   CHECK_FALSE(views.next());
 }
+
+TEST_CASE(
+    "Of coarse data reduced levels are drawn, nothing of it is final, and the whole volume is drawn after "
+    "it") {
+  ViewerOptions options = small_volume();
+  options.volume.grid.dims = {64, 64, 64};
+  options.coarse = true;
+  Views views(options);
+  views.put(view_of(options, 0));
+  for (auto wish = views.next(); wish->level; wish = views.next()) {
+    CHECK(views.levels()[std::size_t(*wish->level)].undersample > 1);
+    CHECK_FALSE(views.frames(*wish->level).front().spec.shown.reduction.prefilter);
+    CHECK_FALSE(draw(views).second);
+  }
+  views.loaded({{0}, options.volume.ranges});
+  while (!draw(views).second) continue;
+  CHECK_FALSE(views.next()->level);
+}

@@ -22,7 +22,7 @@ import { attachSettings, onSettings, settings } from './settings.js';
 import { SnapshotPanel } from './snapshot_panel.js';
 import { Stage } from './stage.js';
 import { Slices } from './slices.js';
-import { showDriver, showEnd, showError, showFacts, showLink, showVolume } from './status.js';
+import { showDriver, showEnd, showError, showFacts, showLink, showLoading, showVolume, showsCoarse } from './status.js';
 import { TransferPanel } from './transfer_panel.js';
 import { ViewPanel } from './view_panel.js';
 
@@ -102,6 +102,7 @@ class App {
       state: () => this.follow(message.state),
       frame: () => this.series.told(message),
       run: () => this.runs.told(message),
+      loading: () => showLoading(message.part),
       error: () => this.connection.fail(message.id, message.message) || showError(message.message, message.hint),
       warning: () => showError(message.message, message.hint, true),
       end: () => this.ended(message.message),
@@ -115,6 +116,7 @@ class App {
     const { volume } = hello, resumes = this.scene.state !== null && this.driving;
     this.fills = hello.state.camera.zoom === 1;  // nobody chose another
     showVolume(volume);
+    showLoading(1);
     this.stage.forget();
     this.stage.largest = hello.largest;
     this.stage.resize();
@@ -168,7 +170,8 @@ class App {
     if (!this.driving || this.stage.sent.get(picture.seq)?.frame === this.series.frame) this.series.pictureShown();
     showFacts(picture, this.driving ? this.latency : NaN, this.hello);
     this.awaitPicture(false);
-    this.awaitPicture(this.driving && !this.runs.goesOn && !(picture.atRest && picture.seq === this.sender.seq));
+    const final = (picture.atRest || showsCoarse()) && picture.seq === this.sender.seq;
+    this.awaitPicture(this.driving && !this.runs.goesOn && !final);
     if (!this.driving) this.redraw();
   }
 

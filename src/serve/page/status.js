@@ -11,10 +11,20 @@ export function showLink(status) {
   byId('link').textContent = words[status];
 }
 
+/** Coarse data is shown until `part` of the volume, which is loaded, is 1. */
+export function showLoading(part) {
+  byId('loading').hidden = part === 1;
+  byId('loading-words').textContent = 'Coarse data, an eighth of the voxels, while the volume is loaded';
+  byId('loading-part').value = part;
+}
+export function showsCoarse() {
+  return !byId('loading').hidden;
+}
+
 /** `picture`: facts of the one on the canvas; `latency` in milliseconds of the view's first picture. */
 export function showFacts(picture, latency, hello) {
   const { ranks, layout, levels } = hello;
-  const quality = picture.atRest ? 'full quality' : 'coarser while it changes';
+  const quality = picture.atRest ? 'full quality' : showsCoarse() ? 'coarse data' : 'coarser while it changes';
   byId('facts').textContent = [Number.isFinite(latency) && `${latency.toFixed(0)} ms`, quality].filter(Boolean).join(', ');
   const more = [
     picture.rate > 0 && !picture.atRest && `${picture.rate.toFixed(picture.rate < 10 ? 1 : 0)} pictures a second`,
@@ -50,6 +60,7 @@ export function showError(message, hint, stays = false) {
 export function showEnd(message, tryAgain) {
   const dialog = byId('ended');
   byId('ended-words').textContent = message || 'The server said no more.';
+  byId('loading-words').textContent = 'Coarse data: the volume was not loaded';
   byId('try-again').onclick = tryAgain;
   if (!dialog.open) dialog.showModal();
 }

@@ -1,0 +1,86 @@
+"""The viewer while a large volume is loaded: `serve --coarse-above 0`. Slice 1, which coarse data leaves out, is read in
+three passes, of the volume and its levels at half and a quarter. Each waits for a gate (faults/fault_at_read.cpp), and
+whatever happens happens between two of them."""
+import glob, os, signal, subprocess
+
+import viewer_client as vc
+from server_case import check_rendered, expect, is_alive, told
+
+SLICE_BYTES = 64 * 64 * 2
+
+
+def make_large(options):
+    subprocess.run([options.program, "synth", "shell", "-o", os.path.join(options.scratch, "large.raw"), "--dims", "64x64x64",
+                    "--type", "uint16"], check=True, capture_output=True)
+    volume, = glob.glob(os.path.join(options.scratch, "large_*.raw"))
+    subprocess.run([options.program, "render", volume, "-o", os.path.join(options.scratch, "first.png"), "--size", "16",
+                    "--tf", "mr-soft", "--tf-out", os.path.join(options.scratch, "tf.json")], check=True, capture_output=True)
+    return volume
+
+
+def gated(scratch, faults):
+    """What the server finds in its environment."""
+    return f"LD_PRELOAD={faults}", "FAULT=wait", f"FAULT_AT={SLICE_BYTES}", f"FAULT_GATE={scratch}/gate_"
+
+
+def open_gates(scratch, *numbers):
+    for number in numbers:
+        open(os.path.join(scratch, f"gate_{number}"), "w").close()
+
+
+def is_loading(message):
+    return isinstance(message, dict) and message["type"] == "loading"
+
+
+def coarse_picture(options, client, gate, azimuth):
+    """That of a view which came while a pass waited."""
+    seq = client.view(width=160, height=120, camera={"azimuth": azimuth, "elevation": 20})
+    client.send({"type": "what", "id": gate})
+    told(client, gate)  # the view was taken before
+    open_gates(options.scratch, gate)
+    picture = client.picture(seq=seq)
+    expect("of the voxels" in client.hello["levels"][picture.level], f"level {picture.level} while the volume is loaded")
+    expect(not picture.at_rest, "nothing finer will come")
+    return picture
+
+
+def coarse(options, server):
+    client = server.client()
+    expect(client.receive_until(is_loading)["part"] < 1, "all is loaded")
+    first = coarse_picture(options, client, 1, 30)
+    client.send({"type": "snapshot", "id": 5, "width": 160, "height": 120, "format": "png", "state": {"camera": {"azimuth": 30, "elevation": 20}}})
+    turned = coarse_picture(options, client, 2, 70)
+    expect(first.file != turned.file, "the volume did not turn")
+    open_gates(options.scratch, *range(3, 12))
+    client.receive_until(lambda m: is_loading(m) and m["part"] == 1)
+    seen = {}
+    while len(seen) < 2:  # they come in any order
+        picture = client.receive_until(lambda m: isinstance(m, vc.Picture) and (m.kind == 1 or m.at_rest))
+        seen[picture.kind] = picture
+    expect((seen[0].seq, seen[0].level + 1) == (turned.seq, seen[0].levels), "the view that was shown is not drawn again")
+    check_rendered(options, seen[1], "seen.png", 0, options.volume, "--quality", "best", "--size", "160x120", "--azimuth", "30",
+                   "--elevation", "20", "--fit", "sphere", "--tf", os.path.join(options.scratch, "tf.json"))
+    later = server.client()
+    expect(later.hello["state"] == client.hello["state"], "the first scene has changed")
+    client.close()
+    later.close()
+    is_alive(server)
+
+
+def coarse_ends(options, server):
+    """What goes wrong behind the coarse data is told and ends the job."""
+    client = server.client()
+    coarse_picture(options, client, 1, 30)
+    os.truncate(options.volume, os.path.getsize(options.volume) // 2)
+    open_gates(options.scratch, *range(2, 12))
+    expect(os.path.basename(options.volume) in client.text("end")["message"], "the error does not name the file")
+    expect(server.wait() != 0, "half a volume counts as a whole one")
+
+
+def coarse_stopped(options, server):
+    client = server.client()
+    coarse_picture(options, client, 1, 30)
+    os.kill(server.ranks()[0], signal.SIGTERM)
+    expect(client.text("end")["message"], "no reason")
+    open_gates(options.scratch, 2)  # the pass that waits ends, no other begins
+    expect(server.wait() == 0, "the job failed: " + server.errors)
