@@ -188,6 +188,8 @@ class SeriesLoader {
 
  private:
   OpenedVolume open_like_the_first(std::size_t k);
+  /// A pyramid's next level, or every second voxel of slices that can be left out.
+  OpenedVolume half_of(std::size_t k, OpenedVolume whole);
 
   const Job& job_;
   const std::size_t ahead_bytes_;  ///< this process may hold of a volume that is read ahead

@@ -13,6 +13,8 @@
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/volume/reduced.hpp"
+#include "volume/clipped.hpp"
 
 namespace ringsplat::app {
 
@@ -194,10 +196,11 @@ Scene SeriesLoader::load(std::size_t k) {
     volume.reset();  // its thread must not read while another is opened
     volume = open_like_the_first(k);
   }
+  if (job_.load.half_of) volume = half_of(k, std::move(*volume));
   if (volume->source && job_.parts() > 1)
     volume->source = std::make_unique<NotingSource>(std::move(volume->source), runs_);
   try {
-    Progress& progress = std::exchange(loaded_one_, !job_.load.coarse) ? silent_ : progress_;
+    Progress& progress = std::exchange(loaded_one_, !job_.load.half_of) ? silent_ : progress_;
     return app::load(job_, *volume, progress, launch_);
   } catch (const InputError& e) {
     const std::string what = e.what();
@@ -228,6 +231,17 @@ void SeriesLoader::read_ahead(std::size_t k) {
   ahead_at_ = k;
   if (ahead_->source && ahead_bytes_ > 0 && !runs_.empty())
     ahead_->source = std::make_unique<ReadAheadSource>(std::move(ahead_->source), runs_, ahead_bytes_);
+}
+
+OpenedVolume SeriesLoader::half_of(std::size_t k, OpenedVolume whole) {
+  if (whole.layer_depth > 1) {
+    VolumeOptions part = job_.part(k);
+    part.choice.coarser = true;
+    return open(part, launch_);
+  }
+  whole.grid = reduced_grid(whole.grid, {2});
+  if (whole.source) whole.source = skipping_source(std::move(whole.source), whole.grid, 2);
+  return whole;
 }
 
 OpenedVolume SeriesLoader::open_like_the_first(std::size_t k) {

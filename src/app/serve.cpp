@@ -110,7 +110,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.frames.clear();
   for (const SeriesEntry& volume : job.series) v.frames.push_back(volume.name);
   v.frame = o.frame;
-  v.coarse = job.load.coarse;
+  if (job.load.half_of) v.coarse = Reduction{2, job.load.prefilter};
   v.initial.shown = o.frame.shown;
   if (o.more_volumes.size() == 1) v.initial.compared = 1;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
@@ -222,20 +222,26 @@ std::vector<int> load_next(const std::vector<int>& next, const std::vector<int>&
   return next;
 }
 
-/// Whether to show coarse data while the first volume is loaded: of one that takes its time, where slices can
-/// be left out and there is memory for an eighth more.
-bool begins_coarse(const ServeOptions& options, const Job& job, Launch& launch) {
+/// How coarse data is made that is shown while the first volume is loaded: of one that takes its time, where
+/// slices can be left out, or a pyramid has the level, and there is memory for an eighth more.
+std::optional<Reduction> coarse_first(const ServeOptions& options, const Job& job, Launch& launch) {
   const OpenedVolume& volume = job.volume;
   const double bytes = double(volume.grid.bytes()) * double(job.channels_drawn());
-  if (!volume.concurrent || volume.layer_depth > 1 || volume.has_labels || job.load.factors.size() == 1 ||
+  if (!volume.concurrent || volume.has_labels || job.load.factors.size() == 1 ||
       !options.picture.more_volumes.empty() || bytes < options.coarse_above_mib * (1 << 20))
-    return false;
+    return {};
   try {
     launch.check_on_all_ranks([&] { check_memory(job, pictures_held, launch, 1.125); });
-    return true;
+    if (volume.layer_depth == 1) return Reduction{2};
+    VolumeOptions coarser = job.options.volume;
+    coarser.choice.coarser = true;
+    const Facts half = facts_of(open(coarser, launch).grid);
+    for (const Reduction& halving : {Reduction{2, true}, Reduction{2}})
+      if (facts_of(reduced_grid(volume.grid, halving)) == half) return halving;
   } catch (const InputError&) {
-    return false;
+    // The volume can be loaded as a whole.
   }
+  return {};
 }
 
 /// Thrown on all ranks where the viewer has ended while a volume was loaded.
@@ -247,6 +253,8 @@ Scene load_behind(const Scene& coarse, SeriesLoader& loader, Job& job, serve::Vi
                   Launch& launch) {
   enum class Act { go_on, draw, end };
   Scene whole;
+  job.load.half_of.reset();
+  job.load.prefilter = job.options.frame.shown.reduction.prefilter;
   job.load.told = [&](double part, bool) {
     Act act = Act::go_on;
     Director once;
@@ -303,15 +311,17 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   std::unique_ptr<serve::Viewer> viewer;
   Warnings warnings;
   Job job = prepare(options, launch);
-  const bool begin_coarse = begins_coarse(options, job, launch);
+  const auto begun = coarse_first(options, job, launch);
   Progress progress(launch.rank() != 0, stderr);
   SeriesLoader loader(job, pictures_held, progress, launch);
   if (!options.picture.more_volumes.empty()) loader.check_all();
   Scene scene;
   MadeFunction made;
-  const auto load_first = [&](bool coarse) {
+  const auto load_first = [&](const std::optional<Reduction>& coarse) {
     scene = {};
-    job.load.coarse = coarse;
+    if (coarse) job.load.half_of = job.volume.grid;
+    if (!coarse) job.load.half_of.reset();
+    job.load.prefilter = coarse.value_or(job.options.frame.shown.reduction).prefilter;
     loader.load_channels(scene, 0);
     if (coarse && scene.values.range.empty()) return false;
     launch.check_on_rank_0([&] {
@@ -320,12 +330,12 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
     });
     return true;
   };
-  if (!load_first(begin_coarse)) load_first(false);
+  if (!load_first(begun)) load_first({});
   if (job.channels.empty() && launch.of_rank_0(made.interpolation == Interpolation::nearest) &&
       job.load.factors.size() > 1) {
     // A mean of labels is another label, and coarse data may lack some.
-    job.options.frame.shown.reduction.prefilter = job.load.prefilter = false;
-    load_first(false);
+    job.options.frame.shown.reduction.prefilter = false;
+    load_first({});
   }
   launch.check_on_rank_0([&] {
     viewer = serve::make_viewer(viewer_options(options, job, scene, std::move(made), launch));
@@ -341,7 +351,7 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   const auto opened = viewer && options.open ? open_in_browser(viewer->url()) : nullptr;
   if (!viewer) leave_the_end_to_rank_0();
   try {
-    if (std::exchange(job.load.coarse, false)) scene = load_behind(scene, loader, job, viewer.get(), launch);
+    if (job.load.half_of) scene = load_behind(scene, loader, job, viewer.get(), launch);
     show_series(loader, std::move(scene), job, viewer.get(), launch);
   } catch (const Ended&) {
     // In order, as after a run.

@@ -96,23 +96,20 @@ void add_labels(Scene& scene, OpenedVolume& volume, LoadOptions options, const S
     store.know_labels(std::make_shared<const SliceStore>(std::move(dealt.stores.at(gp))));
 }
 
-/// The levels of LoadOptions::coarse: of what is read by whole slices, half of the bytes.
-Scene deal_coarse(OpenedVolume& volume, LoadOptions options, const Sharing& sharing) {
-  const Reduction halving{2};
-  OpenedVolume half{reduced_grid(volume.grid, halving), volume.concurrent, nullptr, {}, volume.notes};
-  if (volume.source) half.source = reduced_source(*volume.source, halving);
-  options.coarse = options.prefilter = false;
+/// The scene of LoadOptions::half_of.
+Scene deal_half(OpenedVolume& half, LoadOptions options, const Sharing& sharing) {
+  const Grid grid = *std::exchange(options.half_of, std::nullopt);
   std::erase(options.factors, 1);
   for (int& factor : options.factors) factor /= 2;
   Scene scene = deal_scene(half, options, sharing);
-  scene.grid = volume.grid;
+  scene.grid = grid;
   for (auto& [gp, store] : scene.stores) {
-    SliceStore levels(volume.grid, gp, sharing.dealing, {}, false);
+    SliceStore levels(grid, gp, sharing.dealing, {}, false);
     for (const int factor : options.factors) levels.add_level(2 * factor, store.level(factor));
     store = std::move(levels);
   }
   auto sketch = std::make_shared<VolumeSketch>(*scene.sketch);
-  sketch->dims = volume.grid.dims;
+  sketch->dims = grid.dims;
   scene.sketch = std::move(sketch);
   return scene;
 }
@@ -130,7 +127,7 @@ struct Known {
 }  // namespace
 
 Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, const Sharing& sharing) {
-  if (options.coarse) return deal_coarse(volume, options, sharing);
+  if (options.half_of) return deal_half(volume, options, sharing);
   if (options.clip) check(*options.clip, volume.grid);
   Scene scene;
   scene.grid = volume.grid;

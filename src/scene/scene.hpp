@@ -40,9 +40,9 @@ struct LoadOptions {
   /// The part of the volume that is shown. Slices are kept whole, normals are made within it: those of lit
   /// splats are right in frames with this clip box only.
   std::optional<VoxelBox> clip = std::nullopt;
-  /// Every second voxel along each axis is all that is read: reduced levels, which have no prefilter then,
-  /// and statistics are made of those.
-  bool coarse = false;
+  /// The grid of a volume of which half the voxels along each axis are dealt: the levels are that one's, and
+  /// the statistics of what there is.
+  std::optional<Grid> half_of = std::nullopt;
   /// Told now and then which part of the loading's time has passed, 0 ... 1. `in_step`: all processes are
   /// told at once, between collective calls.
   std::function<void(double part, bool in_step)> told = {};

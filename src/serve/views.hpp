@@ -81,7 +81,7 @@ class Views {
     const SceneState& scene = current_->message.scene;
     auto parts = frames_of(scene, levels_[std::size_t(level)], options_);
     if (held_.coarse)
-      for (VolumeFrame& part : parts) part.spec.shown.reduction.prefilter = false;
+      for (VolumeFrame& part : parts) part.spec.shown.reduction.prefilter = held_.coarse->prefilter;
     auto frames = held_.frames_of(scene.frame, parts);
     if (!scene.compared) return frames;
     const auto others = held_.frames_of(*scene.compared, parts);

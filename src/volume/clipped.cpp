@@ -79,4 +79,10 @@ std::unique_ptr<VolumeSource> skipping_source(VolumeSource& full, const Grid& re
   return std::make_unique<ClippedSource>(full, reduced, whole_box(full.grid()), step);
 }
 
+std::unique_ptr<VolumeSource> skipping_source(std::unique_ptr<VolumeSource> full, const Grid& reduced,
+                                              int step) {
+  const VoxelBox whole = whole_box(full->grid());
+  return std::make_unique<ClippedSource>(std::move(full), reduced, whole, step);
+}
+
 }  // namespace ringsplat

@@ -19,5 +19,8 @@ std::unique_ptr<VolumeSource> clipped_source(std::unique_ptr<VolumeSource> full,
 /// Reads every `step`-th voxel along each axis from `full`, which must outlive it, as a volume of this
 /// lattice.
 std::unique_ptr<VolumeSource> skipping_source(VolumeSource& full, const Grid& reduced, int step);
+/// From a volume that it owns.
+std::unique_ptr<VolumeSource> skipping_source(std::unique_ptr<VolumeSource> full, const Grid& reduced,
+                                              int step);
 
 }  // namespace ringsplat

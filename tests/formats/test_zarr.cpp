@@ -190,9 +190,10 @@ TEST_CASE("of an image's levels the finest that fits is shown, unless one is nam
   write_zarr(folder / "a.zarr/1", zarr_json({{"[3, 4, 5]", "[2, 2, 3]"}}));
   const std::string finest = R"(0", "coordinateTransformations": []}, {"path": "1)";
   write(folder / "a.zarr/zarr.json", image_json(finest, "[2, 2, 2]"));
-  const auto dims_and_level = [&](const char* name, std::optional<double> memory) {
+  const auto dims_and_level = [&](const char* name, std::optional<double> memory, bool coarser = false) {
     VolumeChoice choice;
     choice.memory = memory;
+    choice.coarser = coarser;
     const auto source = open_volume(folder / name, {}, choice);
     std::string level;
     for (const auto& fact : source->facts())
@@ -206,6 +207,9 @@ TEST_CASE("of an image's levels the finest that fits is shown, unless one is nam
   CHECK(dims_and_level("a.zarr", 1) == "3 2 of 2");
   CHECK(dims_and_level("a.zarr/0", 1) == "5 1 of 2");
   CHECK(dims_and_level("a.zarr/1", std::nullopt) == "3 2 of 2");
+  CHECK(dims_and_level("a.zarr", std::nullopt, true) == "3 2 of 2");
+  CHECK(dims_and_level("a.zarr", 1, true) == "3 2 of 2");  // there is no coarser one
+  CHECK(dims_and_level("a.zarr/0", std::nullopt, true) == "5 1 of 2");
 }
 
 namespace {

@@ -4,11 +4,13 @@
 
 #include "classify/normals.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/volume/reduced.hpp"
 #include "scene/scene.hpp"
 #include "support/catch.hpp"
 #include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"
+#include "volume/clipped.hpp"
 
 using namespace ringsplat;
 using ringsplat::test::make_grid;
@@ -173,14 +175,17 @@ TEST_CASE("loading tells how much of its time has passed, from its begin to its 
     }
 }
 
-TEST_CASE("coarse data has levels of every second voxel, for which only every second slice is read") {
+TEST_CASE("half of a volume gives it its levels, and only every second slice is read") {
   LoadOptions options;
   options.factors = {2, 4};
   const auto expected = dealt_from_memory(options);
-  options.coarse = options.prefilter = true;
+  options.half_of = grid;
   Reads reads;
-  const bool same =
-      dealt([&] { return std::make_unique<LayerSource>(grid, voxels, 1, true, reads); }, options) == expected;
+  const auto open = [&] {
+    return skipping_source(std::make_unique<LayerSource>(grid, voxels, 1, true, reads),
+                           reduced_grid(grid, {2}), 2);
+  };
+  const bool same = dealt(open, options) == expected;
   CHECK(same);
   CHECK(std::ranges::none_of(reads.ranges, [](const auto& range) { return range.first % 2 != 0; }));
 }

@@ -9,12 +9,17 @@ from server_case import check_rendered, expect, is_alive, told
 SLICE_BYTES = 64 * 64 * 2
 
 
+def write_function(options, volume):
+    """One that does not depend on what is read first."""
+    subprocess.run([options.program, "render", volume, "-o", os.path.join(options.scratch, "first.png"), "--size", "16",
+                    "--tf", "mr-soft", "--tf-out", os.path.join(options.scratch, "tf.json")], check=True, capture_output=True)
+
+
 def make_large(options):
     subprocess.run([options.program, "synth", "shell", "-o", os.path.join(options.scratch, "large.raw"), "--dims", "64x64x64",
                     "--type", "uint16"], check=True, capture_output=True)
     volume, = glob.glob(os.path.join(options.scratch, "large_*.raw"))
-    subprocess.run([options.program, "render", volume, "-o", os.path.join(options.scratch, "first.png"), "--size", "16",
-                    "--tf", "mr-soft", "--tf-out", os.path.join(options.scratch, "tf.json")], check=True, capture_output=True)
+    write_function(options, volume)
     return volume
 
 
@@ -44,6 +49,11 @@ def coarse_picture(options, client, gate, azimuth):
     return picture
 
 
+def is_the_programs(options, snapshot):
+    check_rendered(options, snapshot, "seen.png", 0, options.volume, "--quality", "best", "--size", "160x120", "--azimuth", "30",
+                   "--elevation", "20", "--fit", "sphere", "--tf", os.path.join(options.scratch, "tf.json"))
+
+
 def coarse(options, server):
     client = server.client()
     expect(client.receive_until(is_loading)["part"] < 1, "all is loaded")
@@ -58,8 +68,7 @@ def coarse(options, server):
         picture = client.receive_until(lambda m: isinstance(m, vc.Picture) and (m.kind == 1 or m.at_rest))
         seen[picture.kind] = picture
     expect((seen[0].seq, seen[0].level + 1) == (turned.seq, seen[0].levels), "the view that was shown is not drawn again")
-    check_rendered(options, seen[1], "seen.png", 0, options.volume, "--quality", "best", "--size", "160x120", "--azimuth", "30",
-                   "--elevation", "20", "--fit", "sphere", "--tf", os.path.join(options.scratch, "tf.json"))
+    is_the_programs(options, seen[1])
     later = server.client()
     expect(later.hello["state"] == client.hello["state"], "the first scene has changed")
     client.close()
@@ -84,3 +93,21 @@ def coarse_stopped(options, server):
     expect(client.text("end")["message"], "no reason")
     open_gates(options.scratch, 2)  # the pass that waits ends, no other begins
     expect(server.wait() == 0, "the job failed: " + server.errors)
+
+
+def make_pyramid(options):
+    path, pyramid = (os.path.join(options.scratch, name) for name in ("large.nrrd", "large.zarr"))
+    subprocess.run([options.program, "synth", "shell", "-o", path, "--dims", "128x129x130", "--spacing", "0.7x0.9x1.1"],
+                   check=True, capture_output=True)
+    subprocess.run([options.program, "pyramid", path, pyramid], check=True, capture_output=True)
+    write_function(options, path)
+    return pyramid
+
+
+def coarse_pyramid(options, server):
+    """The next level was shown, and then the whole."""
+    client = server.client()
+    client.receive_until(lambda m: is_loading(m) and m["part"] == 1)
+    snapshot = client.snapshot(5, 160, 120, state={"camera": {"azimuth": 30, "elevation": 20}})
+    is_the_programs(options, snapshot)
+    client.close()

@@ -133,7 +133,7 @@ TEST_CASE(
     "it") {
   ViewerOptions options = small_volume();
   options.volume.grid.dims = {64, 64, 64};
-  options.coarse = true;
+  options.coarse = Reduction{2};
   Views views(options);
   views.put(view_of(options, 0));
   for (auto wish = views.next(); wish->level; wish = views.next()) {

@@ -131,6 +131,7 @@ std::optional<Level> find_level(const Node& group, const Json& image, const std:
                                 const VolumeChoice& choice) {
   const double most = choice.memory.value_or(machine_memory_bytes() / slice_sets);
   double part = 1, finer = 0;
+  bool passes_one = choice.coarser;
   std::optional<Grid> finest;
   const auto levels = list_in(image, "datasets");
   const bool any = wanted == group.folder;
@@ -156,8 +157,9 @@ std::optional<Level> find_level(const Node& group, const Json& image, const std:
       finer = bytes;
       continue;
     }
+    if (any && level.number < level.of && std::exchange(passes_one, false)) continue;
     constexpr double gib = 1 << 30;
-    if (finer > 0)
+    if (finer > 0 && !choice.coarser)
       log_info_once(
           "{}: level {} of {} is shown: the next finer one would take {:.3g} GiB, and --memory allows {:.3g}",
           group.folder.string(), level.number, level.of, finer / gib, most / gib);
