@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <mutex>
 #include <utility>
@@ -13,6 +12,7 @@
 #include "app/render_job.hpp"
 #include "base/child_program.hpp"
 #include "base/log.hpp"
+#include "base/output_file.hpp"
 #include "base/srgb.hpp"
 #include "classify/auto_preset.hpp"
 #include "formats/label_notes.hpp"
@@ -110,7 +110,6 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.frames.clear();
   for (const SeriesEntry& volume : job.series) v.frames.push_back(volume.name);
   v.frame = o.frame;
-  if (job.load.half_of) v.coarse = Reduction{2, job.load.prefilter};
   v.initial.shown = o.frame.shown;
   if (o.more_volumes.size() == 1) v.initial.compared = 1;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
@@ -139,15 +138,13 @@ std::unique_ptr<serve::PrivateFolder> open_in_browser(const std::string& url) {
     const bool usable = own != nullptr && access(own, W_OK | X_OK) == 0;
     auto folder = std::make_unique<serve::PrivateFolder>("page", usable ? own : "");
     const std::filesystem::path file = folder->path() / "page.html";
-    std::ofstream out(file);
+    write_text(
+        file,
+        fmt::format("<!doctype html><meta charset=\"utf-8\"><title>Ringsplat</title>"
+                    "<meta http-equiv=\"refresh\" content=\"0; url={0}\"><a href=\"{0}\">Ringsplat</a>\n",
+                    url));
     std::error_code ignored;
     std::filesystem::permissions(file, std::filesystem::perms{0600}, ignored);
-    out << fmt::format(
-        "<!doctype html><meta charset=\"utf-8\"><title>Ringsplat</title>"
-        "<meta http-equiv=\"refresh\" content=\"0; url={0}\"><a href=\"{0}\">Ringsplat</a>\n",
-        url);
-    out.close();
-    if (!out) throw RunError(fmt::format("{} cannot be written", file.string()));
     const auto program = find_program("xdg-open");
     if (!program) throw RunError("there is no xdg-open");
     start_program(*program, {file.string()}, "/");
@@ -319,8 +316,7 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   MadeFunction made;
   const auto load_first = [&](const std::optional<Reduction>& coarse) {
     scene = {};
-    if (coarse) job.load.half_of = job.volume.grid;
-    if (!coarse) job.load.half_of.reset();
+    job.load.half_of = coarse ? std::optional(job.volume.grid) : std::nullopt;
     job.load.prefilter = coarse.value_or(job.options.frame.shown.reduction).prefilter;
     loader.load_channels(scene, 0);
     if (coarse && scene.values.range.empty()) return false;
@@ -339,6 +335,7 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   }
   launch.check_on_rank_0([&] {
     viewer = serve::make_viewer(viewer_options(options, job, scene, std::move(made), launch));
+    if (job.load.half_of) viewer->loaded({{0}, ranges_of(scene), Reduction{2, job.load.prefilter}});
     if (options.address != "127.0.0.1" && options.address != "::1")
       log_warning(
           "--bind {}: everybody who can reach this machine and learns the token sees the volume, and what "

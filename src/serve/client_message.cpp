@@ -91,9 +91,8 @@ TransferFunction transfer_function_from(const json& j, TransferFunction tf) {
   tf.opacities.clear();
   for (const json& point : list_from(member(j, "colours"), "colours", 2, most_points)) {
     list_from(point, "a colour", 4, 4);
-    glm::dvec3 srgb;
-    for (int k = 0; k < 3; ++k) srgb[k] = number_from(point[std::size_t(k) + 1], "a colour", 0, 1);
-    tf.colours.push_back({number_from(point[0], "a colour's value", -any, any), srgb});
+    tf.colours.push_back({number_from(point[0], "a colour's value", -any, any),
+                          vector_from({point[1], point[2], point[3]}, "a colour", 0, 1)});
   }
   for (const json& point : list_from(member(j, "opacities"), "opacities", 2, most_points)) {
     list_from(point, "an opacity", 2, 2);

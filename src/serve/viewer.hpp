@@ -53,7 +53,7 @@ struct ShownChannel {
 struct HeldVolumes {
   std::vector<int> volumes;
   std::vector<ValueRange> ranges;        ///< of each channel of the first, then of the second
-  std::optional<Reduction> coarse = {};  ///< how the levels are made, of the only one, that is all there is
+  std::optional<Reduction> coarse = {};  ///< set: of the only one there are levels alone, made like that
 
   bool hold(int volume) const { return std::ranges::find(volumes, volume) != volumes.end(); }
   /// Where the ranks have a held volume's first channel.
@@ -73,9 +73,8 @@ int largest_side();
 struct ViewerOptions {
   std::string layout;  ///< "4 GPs + 2 Renderers, ring"
   int ranks = 1;
-  ShownVolume volume;                    ///< the first of the series
-  std::vector<std::string> frames{""};   ///< names of the series' volumes; one without a series
-  std::optional<Reduction> coarse = {};  ///< as HeldVolumes', of the first run
+  ShownVolume volume;                   ///< the first of the series
+  std::vector<std::string> frames{""};  ///< names of the series' volumes; one without a series
   SceneState initial;
   std::vector<std::pair<Mode, TransferFunction>> modes;  ///< that can be chosen, each with its first function
   std::vector<ShownChannel> channels;                    ///< as many as `initial` has

@@ -1,5 +1,6 @@
 #include "serve/viewer.hpp"
 
+#include <glm/gtc/type_ptr.hpp>
 #include <nlohmann/json.hpp>
 
 #include "frame/frame_geometry.hpp"
@@ -39,15 +40,13 @@ json slices_json(const ShownVolume& volume) {
 
 json volume_json(const ShownVolume& volume) {
   const auto& [dims, spacing, origin, axes, type] = volume.grid;
-  json direction = json::array();
-  for (int column = 0; column < 3; ++column)
-    for (int row = 0; row < 3; ++row) direction.push_back(axes[column][row]);
+  const double* const direction = glm::value_ptr(axes);
   return {{"name", volume.name},
           {"dims", {dims.x, dims.y, dims.z}},
           {"spacing", {spacing.x, spacing.y, spacing.z}},
           {"origin", {origin.x, origin.y, origin.z}},
           {"unit", volume.unit},
-          {"direction", direction},
+          {"direction", std::vector(direction, direction + 9)},  // column by column
           {"patient", volume.patient},
           {"range", {volume.ranges.front().low, volume.ranges.front().high}},
           {"type", to_string(type)},

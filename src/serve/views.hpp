@@ -66,7 +66,7 @@ class Views {
       : options_(options),
         levels_(make_levels(options.volume.grid.dims)),
         controller_(options.target_seconds),
-        held_{{0}, options.volume.ranges, options.coarse} {}
+        held_{{0}, options.volume.ranges} {}
 
   const std::vector<Level>& levels() const { return levels_; }
   /// True when the ranks hold all volumes that the scene shows.
@@ -78,10 +78,9 @@ class Views {
   const HeldVolumes& held() const { return held_; }
   /// Of the view that is drawn now; of the volume that is compared below.
   std::vector<VolumeFrame> frames(int level) const {
-    const SceneState& scene = current_->message.scene;
-    auto parts = frames_of(scene, levels_[std::size_t(level)], options_);
-    if (held_.coarse)
-      for (VolumeFrame& part : parts) part.spec.shown.reduction.prefilter = held_.coarse->prefilter;
+    SceneState scene = current_->message.scene;
+    if (held_.coarse) scene.shown.reduction.prefilter = held_.coarse->prefilter;
+    const auto parts = frames_of(scene, levels_[std::size_t(level)], options_);
     auto frames = held_.frames_of(scene.frame, parts);
     if (!scene.compared) return frames;
     const auto others = held_.frames_of(*scene.compared, parts);

@@ -75,10 +75,6 @@ std::unique_ptr<VolumeSource> clipped_source(std::unique_ptr<VolumeSource> full,
   return std::make_unique<ClippedSource>(std::move(full), clipped_grid(grid, box), box);
 }
 
-std::unique_ptr<VolumeSource> skipping_source(VolumeSource& full, const Grid& reduced, int step) {
-  return std::make_unique<ClippedSource>(full, reduced, whole_box(full.grid()), step);
-}
-
 std::unique_ptr<VolumeSource> skipping_source(std::unique_ptr<VolumeSource> full, const Grid& reduced,
                                               int step) {
   const VoxelBox whole = whole_box(full->grid());

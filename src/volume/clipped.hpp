@@ -16,10 +16,7 @@ std::unique_ptr<VolumeSource> clipped_source(VolumeSource& full, const VoxelBox&
 /// Of a volume that it owns.
 std::unique_ptr<VolumeSource> clipped_source(std::unique_ptr<VolumeSource> full, const VoxelBox& box);
 
-/// Reads every `step`-th voxel along each axis from `full`, which must outlive it, as a volume of this
-/// lattice.
-std::unique_ptr<VolumeSource> skipping_source(VolumeSource& full, const Grid& reduced, int step);
-/// From a volume that it owns.
+/// Reads every `step`-th voxel along each axis, as a volume of this lattice.
 std::unique_ptr<VolumeSource> skipping_source(std::unique_ptr<VolumeSource> full, const Grid& reduced,
                                               int step);
 

@@ -156,7 +156,8 @@ VoxelBox reduced_box(const VoxelBox& box, const Grid& grid, const Reduction& red
 
 std::unique_ptr<VolumeSource> reduced_source(VolumeSource& full, const Reduction& reduction) {
   if (!reduction.prefilter)
-    return skipping_source(full, reduced_grid(full.grid(), reduction), reduction.factor);
+    return skipping_source(std::make_unique<ForwardingSource>(full), reduced_grid(full.grid(), reduction),
+                           reduction.factor);
   if (reduction.factor != 2 && reduction.factor != 4)
     throw InputError(fmt::format("--undersample {} has no prefilter", reduction.factor), "use 2 or 4");
   const Reduction halving{2, true};

@@ -133,8 +133,8 @@ TEST_CASE(
     "it") {
   ViewerOptions options = small_volume();
   options.volume.grid.dims = {64, 64, 64};
-  options.coarse = Reduction{2};
   Views views(options);
+  views.loaded({{0}, options.volume.ranges, Reduction{2}});
   views.put(view_of(options, 0));
   for (auto wish = views.next(); wish->level; wish = views.next()) {
     CHECK(views.levels()[std::size_t(*wish->level)].undersample > 1);

@@ -40,7 +40,6 @@ function drawScaleBar(context, colours, { bar, unit, perspective, height }) {
   const y = height - foot - 8, right = margin + bar.pixels;
   trace(context, [[margin, y - 5], [margin, y], [right, y], [right, y - 5]]);
   strokeTwice(context, colours);
-  context.textAlign = 'left';
   context.textBaseline = 'bottom';
   const words = `${show(bar.length)}${unit ? ' ' + unit : ' units'}${perspective ? ' at the centre' : ''}`;
   write(context, colours, words, margin + 4, y - 5);
@@ -54,7 +53,6 @@ function drawColourBar(context, colours, tf, [low, high], height) {
   context.lineWidth = 1;
   context.strokeStyle = colours.text;
   context.strokeRect(margin - 0.5, top - 0.5, wide + 1, tall + 1);
-  context.textAlign = 'left';
   context.textBaseline = 'middle';
   if (!(high > low)) return top;
   const step = niceStep(high - low, Math.max(2, Math.floor(tall / 32)));
@@ -71,7 +69,6 @@ function drawColourBar(context, colours, tf, [low, high], height) {
 function drawLegend(context, colours, all, bottom) {
   const step = 18, most = Math.max(1, Math.floor(bottom * 0.6 / step));
   const rows = all.length > most ? [...all.slice(0, most - 1), { name: `and ${all.length - most + 1} more` }] : all;
-  context.textAlign = 'left';
   context.textBaseline = 'middle';
   rows.forEach(({ name, colour }, k) => {
     const y = bottom - step * (rows.length - k);

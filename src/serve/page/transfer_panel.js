@@ -27,16 +27,7 @@ export class TransferPanel {
       const now = windowOf(this.tf).width;
       if (width > 0 && now > 0) this.edit(stretched(this.tf, width / now, 0), true);
     }, refresh);
-    byId('maps').append(...maps.map(({ name }) => element('option', { value: name }, name)));
-    byId('maps').addEventListener('change', ({ target }) => {
-      const map = maps.find(({ name }) => name === target.value);
-      target.value = '';
-      if (map) this.edit(withMap(this.tf, map), true);
-    });
-    byId('presets').addEventListener('change', ({ target }) => {
-      const preset = this.presets.find(({ name }) => name === target.value);
-      if (preset) this.edit(preset, true);
-    });
+    this.choose('maps', maps, (map) => withMap(this.tf, map));
     // Each mode has a function of its own, which it gets back.
     byId('mode').addEventListener('change', ({ target: { value: mode } }) => {
       this.functions[app.scene.state.mode] = this.tf;
@@ -65,8 +56,16 @@ export class TransferPanel {
     this.presets = presets;
     this.functions = { ...modes };
     byId('modes').hidden = Object.keys(this.functions).length === 0;
-    byId('presets').replaceChildren(element('option', { value: '' }, '–'),
-                                    ...this.presets.map(({ name }) => element('option', { value: name }, name)));
+    this.choose('presets', presets, (preset) => preset);
+  }
+
+  /** Has a list, behind its first entry, offer functions, or what becomes one. */
+  choose(id, all, functionOf) {
+    byId(id).replaceChildren(byId(id).options[0], ...all.map(({ name }) => element('option', { value: name }, name)));
+    byId(id).onchange = ({ target }) => {
+      const chosen = all.find(({ name }) => name === target.value);
+      if (chosen) this.edit(functionOf(chosen), true);
+    };
   }
 
   /** Shows an edit; `whole` ones are steps of undo by themselves. */
@@ -93,6 +92,7 @@ export class TransferPanel {
     const { level, width } = windowOf(this.tf);
     byId('level').value = show(level, 5);
     byId('window').value = show(width, 5);
+    byId('maps').value = '';
     byId('presets').value = this.presets.some(({ name }) => name === this.tf.name) ? this.tf.name : '';
   }
 }
