@@ -25,7 +25,8 @@ def make_large(options):
 
 def gated(scratch, faults):
     """What the server finds in its environment."""
-    return f"LD_PRELOAD={faults}", "FAULT=wait", f"FAULT_AT={SLICE_BYTES}", f"FAULT_GATE={scratch}/gate_"
+    preloaded = ":".join(filter(None, [os.environ.get("LD_PRELOAD"), faults]))  # a sanitizer's comes first
+    return f"LD_PRELOAD={preloaded}", "FAULT=wait", f"FAULT_AT={SLICE_BYTES}", f"FAULT_GATE={scratch}/gate_"
 
 
 def open_gates(scratch, *numbers):
