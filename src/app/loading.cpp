@@ -18,7 +18,7 @@
 
 namespace ringsplat::app {
 
-void fields(Place& place, auto& archive) { archive(place.machine, place.cores); }
+void fields(Binding& binding, auto& archive) { archive(binding.machine, binding.cores); }
 
 namespace {
 
@@ -28,12 +28,12 @@ struct Host {
   std::set<int> cores;
 };
 
-std::map<std::string, Host> machines_of(const std::vector<Place>& places) {
+std::map<std::string, Host> machines_of(const std::vector<Binding>& bindings) {
   std::map<std::string, Host> machines;
-  for (std::size_t rank = 0; rank < places.size(); ++rank) {
-    Host& machine = machines[places[rank].machine];
+  for (std::size_t rank = 0; rank < bindings.size(); ++rank) {
+    Host& machine = machines[bindings[rank].machine];
     machine.ranks.push_back(int(rank));
-    machine.cores.insert(places[rank].cores.begin(), places[rank].cores.end());
+    machine.cores.insert(bindings[rank].cores.begin(), bindings[rank].cores.end());
   }
   return machines;
 }
@@ -45,40 +45,40 @@ void settle_threads(Job& job, const Launch& launch) {
   if (!run.threads_per_rank) {
     threads = simulated() ? 1
                           : std::min(ThreadTeam::most_threads,
-                                     fair_threads(job.places, launch.rank(), job.layout.working_ranks()));
+                                     fair_threads(job.bindings, launch.rank(), job.layout.working_ranks()));
     return;
   }
   threads = *run.threads_per_rank;
   check(run.engine);
   const std::string warning =
-      threads > 1 ? shared_cores_warning(threads, job.places, launch.over_mpi()) : std::string();
+      threads > 1 ? shared_cores_warning(threads, job.bindings, launch.over_mpi()) : std::string();
   if (launch.rank() == 0 && !warning.empty()) log_warning("{}", warning);
 }
 
 }  // namespace
 
-int shared_cores(const std::vector<Place>& places) {
+int shared_cores(const std::vector<Binding>& bindings) {
   std::size_t cores = 0;
-  for (const auto& [name, machine] : machines_of(places))
+  for (const auto& [name, machine] : machines_of(bindings))
     cores += std::min(machine.ranks.size(), machine.cores.size());
   return int(cores);
 }
 
-int ranks_with_cores(const std::vector<Place>& places) {
-  return simulated() || machines_of(places).size() > 1 ? int(places.size()) : shared_cores(places);
+int ranks_with_cores(const std::vector<Binding>& bindings) {
+  return simulated() || machines_of(bindings).size() > 1 ? int(bindings.size()) : shared_cores(bindings);
 }
 
-int fair_threads(const std::vector<Place>& places, int rank, int working) {
-  const Place& place = places.at(std::size_t(rank));
-  const Host machine = machines_of(places).at(place.machine);
+int fair_threads(const std::vector<Binding>& bindings, int rank, int working) {
+  const Binding& binding = bindings.at(std::size_t(rank));
+  const Host machine = machines_of(bindings).at(binding.machine);
   const auto sharing = std::max<std::ptrdiff_t>(
       1, std::count_if(machine.ranks.begin(), machine.ranks.end(), [&](int r) { return r < working; }));
-  return std::clamp(int(std::ptrdiff_t(machine.cores.size()) / sharing), 1, int(place.cores.size()));
+  return std::clamp(int(std::ptrdiff_t(machine.cores.size()) / sharing), 1, int(binding.cores.size()));
 }
 
-std::string shared_cores_warning(int threads, const std::vector<Place>& places, bool over_mpi) {
+std::string shared_cores_warning(int threads, const std::vector<Binding>& bindings, bool over_mpi) {
   const auto narrowest =
-      std::ranges::min_element(places, {}, [](const Place& place) { return place.cores.size(); });
+      std::ranges::min_element(bindings, {}, [](const Binding& binding) { return binding.cores.size(); });
   const auto cores = narrowest->cores.size();
   if (cores >= std::size_t(threads)) return {};
   if (!over_mpi)
@@ -88,15 +88,15 @@ std::string shared_cores_warning(int threads, const std::vector<Place>& places, 
   return fmt::format(
       "the {} threads of rank {} share {} core(s); give it more by mpirun --bind-to none or --map-by "
       "slot:PE={}, or use --threads-per-rank {}",
-      threads, narrowest - places.begin(), cores, threads, cores);
+      threads, narrowest - bindings.begin(), cores, threads, cores);
 }
 
 void settle_ranks(Job& job, Launch& launch) {
   const RunOptions& run = job.options.run;
   launch.collectives().patience = {run.protocol.stall_timeout, run.protocol.stall_ends};
-  for (const Block& one : launch.collectives().all_gather(to_bytes(Place{host_name(), allowed_cores()})))
-    job.places.push_back(from_bytes<Place>(one).value());
-  job.layout = choose_layout(run, launch.over_mpi(), launch.ranks(), ranks_with_cores(job.places));
+  for (const Block& one : launch.collectives().all_gather(to_bytes(Binding{host_name(), allowed_cores()})))
+    job.bindings.push_back(from_bytes<Binding>(one).value());
+  job.layout = choose_layout(run, launch.over_mpi(), launch.ranks(), ranks_with_cores(job.bindings));
   check(run.protocol);
   settle_threads(job, launch);
 }
@@ -149,9 +149,9 @@ void say_choice(const std::vector<Prediction>& predictions) {
 }
 
 /// What the real ranks run on. A hop says little of a machine where ranks wait for cores.
-Machine machine_of(const std::vector<Place>& places, double hop) {
-  const int hosts = int(machines_of(places).size()), ranks = int(places.size());
-  Machine machine = this_machine(hosts, std::max(1, shared_cores(places) / hosts));
+Machine machine_of(const std::vector<Binding>& bindings, double hop) {
+  const int hosts = int(machines_of(bindings).size()), ranks = int(bindings.size());
+  Machine machine = this_machine(hosts, std::max(1, shared_cores(bindings) / hosts));
   if (!shares_cores(machine, ranks) && ranks > 1) machine.platform.latency = hop;
   return machine;
 }
@@ -166,13 +166,13 @@ Layout choose_roles(const Job& job, Launch& launch) {
   const int ranks = launch.ranks();
   auto layouts = layouts_to_choose_from(
       o.run, launch.over_mpi(), ranks,
-      described ? ranks_with_own_cores(*described, ranks) : ranks_with_cores(job.places));
+      described ? ranks_with_own_cores(*described, ranks) : ranks_with_cores(job.bindings));
   if (!described) layouts = those_that_fit(std::move(layouts), job.volume.grid, job.load);
   const double hop = described ? 0 : measure_hop(*launch.transport());
   Layout chosen;
   launch.check_on_rank_0([&] {
     const auto source = open_volume(o.volume);
-    const Machine machine = described ? *described : machine_of(job.places, hop);
+    const Machine machine = described ? *described : machine_of(job.bindings, hop);
     Forecast forecast(*source, o.frame, *job.transfer_function,
                       some_views(job.cameras.empty() ? std::vector{o.frame.shown.camera} : job.cameras),
                       machine, o.run.simulation.voxel_weight, ranks, o.run.protocol);
@@ -190,7 +190,7 @@ int drawing_renderers(const Job& job, const Launch& launch) {
   const Layout& layout = job.layout;
   // Dedicated Renderers have no other work; a simulated machine's cores are not this machine's.
   if (layout.placement != Placement::colocated || !launch.over_mpi() || simulated()) return layout.renderers;
-  const int cores = shared_cores(job.places);
+  const int cores = shared_cores(job.bindings);
   return cores < layout.working_ranks() ? std::min(2 * cores, layout.renderers) : layout.renderers;
 }
 
@@ -199,7 +199,7 @@ double slice_bytes_here(const Job& job, const Launch& launch, bool in_machine) {
   const auto is_here = [&](int rank) {
     if (!launch.over_mpi() || rank == launch.rank()) return true;
     return in_machine &&
-           job.places[std::size_t(rank)].machine == job.places[std::size_t(launch.rank())].machine;
+           job.bindings[std::size_t(rank)].machine == job.bindings[std::size_t(launch.rank())].machine;
   };
   double held = 0;
   for (int gp = 0; gp < job.layout.gps; ++gp)

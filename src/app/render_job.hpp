@@ -27,7 +27,7 @@ struct SeriesEntry {
   std::string name;          ///< for people, without folders: "step_0012.nrrd", "film.nii, frame 12"
 };
 
-struct Place {
+struct Binding {
   std::string machine;
   std::vector<int> cores;  ///< that the rank may use
 };
@@ -35,7 +35,7 @@ struct Place {
 /// A run, all decided and checked before a voxel is read.
 struct Job {
   RenderOptions options;
-  std::vector<Place> places;  ///< by rank
+  std::vector<Binding> bindings;  ///< by rank
   Layout layout;
   // On rank 0, as only it reads the small files and writes the results.
   std::optional<TransferFunctionChoice> transfer_function;
@@ -60,18 +60,18 @@ struct Job {
 // Where the ranks run, and what follows from it.
 
 /// Cores of all machines that the ranks share; a machine counts at most one a rank.
-int shared_cores(const std::vector<Place>& places);
+int shared_cores(const std::vector<Binding>& bindings);
 
 /// How many ranks may work when no option says it: one for each core. On several machines, and simulated
 /// ones, all: the last ranks could be all of one machine's.
-int ranks_with_cores(const std::vector<Place>& places);
+int ranks_with_cores(const std::vector<Binding>& bindings);
 
 /// The threads that this rank takes when no option says it: its machine's cores, shared evenly by those of
 /// the first `working` ranks that run there, but no more than it may use; at least 1.
-int fair_threads(const std::vector<Place>& places, int rank, int working);
+int fair_threads(const std::vector<Binding>& bindings, int rank, int working);
 
 /// The warning when ranks of `threads` threads have too few cores; empty when all is well.
-std::string shared_cores_warning(int threads, const std::vector<Place>& places, bool over_mpi);
+std::string shared_cores_warning(int threads, const std::vector<Binding>& bindings, bool over_mpi);
 
 /// Chooses the layout, the patience with slow ranks and the threads of this rank's engine. Warns on rank 0
 /// when threads that were asked for have to share cores.

@@ -65,13 +65,13 @@ struct RenderedPicture {
 /// RMSE in 1/255 of a picture, enlarged bilinearly to the size of the other.
 inline float rmse_of(const std::vector<std::uint8_t>& small, int small_width, int small_height,
                      const std::vector<std::uint8_t>& rgb, int width, int height) {
-  struct Place {
+  struct Taps {
     int first, second;
     float share;  ///< of the second
   };
   // Where the pixels of a row or column lie in a smaller one.
-  const auto places = [](int few, int many) {
-    std::vector<Place> all;
+  const auto taps = [](int few, int many) {
+    std::vector<Taps> all;
     for (int k = 0; k < many; ++k) {
       const float at = std::clamp((float(k) + 0.5F) * float(few) / float(many) - 0.5F, 0.0F, float(few - 1));
       const int first = static_cast<int>(at);
@@ -79,16 +79,16 @@ inline float rmse_of(const std::vector<std::uint8_t>& small, int small_width, in
     }
     return all;
   };
-  const std::vector<Place> columns = places(small_width, width), rows = places(small_height, height);
+  const std::vector<Taps> columns = taps(small_width, width), rows = taps(small_height, height);
   const auto at = [&](int x, int y) {
     return &small[3 * (std::size_t(y) * std::size_t(small_width) + std::size_t(x))];
   };
   double sum = 0;
   for (int y = 0; y < height; ++y) {
-    const Place& row = rows[std::size_t(y)];
+    const Taps& row = rows[std::size_t(y)];
     float in_row = 0;
     for (int x = 0; x < width; ++x) {
-      const Place& column = columns[std::size_t(x)];
+      const Taps& column = columns[std::size_t(x)];
       const std::uint8_t *a = at(column.first, row.first), *b = at(column.second, row.first),
                          *c = at(column.first, row.second), *d = at(column.second, row.second);
       const std::uint8_t* pixel = &rgb[3 * (std::size_t(y) * std::size_t(width) + std::size_t(x))];

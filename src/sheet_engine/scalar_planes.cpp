@@ -91,7 +91,7 @@ void ScalarPlanes::begin_frame(int width, int height, int slots, const PlaneCode
   for (Slot& slot : slots_hold_) slot.holds.assign(blocks(), unknown);
 }
 
-ScalarPlanes::Place ScalarPlanes::place_of_step(int step) {
+ScalarPlanes::PlaneMemory ScalarPlanes::memory_of_step(int step) {
   const auto at = std::size_t(step + 1);
   if (at < plane_of_step_.size() && plane_of_step_[at] != no_plane) return kept_plane(plane_of_step_[at]);
   return {memory_.data() + slot_of(step) * plane_bytes_, slots_hold_[slot_of(step)]};
@@ -103,7 +103,7 @@ Number* ScalarPlanes::origin(std::byte* memory) const {
 }
 
 const void* ScalarPlanes::plane(int step) const {
-  std::byte* memory = const_cast<ScalarPlanes*>(this)->place_of_step(step).memory;
+  std::byte* memory = const_cast<ScalarPlanes*>(this)->memory_of_step(step).memory;
   return code_.floats ? static_cast<const void*>(origin<float>(memory))
                       : static_cast<const void*>(origin<std::int16_t>(memory));
 }
@@ -116,7 +116,7 @@ std::uint8_t* ScalarPlanes::labels_of(std::byte* memory) const {
 }
 
 const std::uint8_t* ScalarPlanes::labels(int step) const {
-  return labels_of(const_cast<ScalarPlanes*>(this)->place_of_step(step).memory);
+  return labels_of(const_cast<ScalarPlanes*>(this)->memory_of_step(step).memory);
 }
 
 /// Frees what is needed no more.
@@ -152,7 +152,7 @@ std::vector<std::byte> ScalarPlanes::memory_of_planes() {
   return memory;
 }
 
-ScalarPlanes::Place ScalarPlanes::kept_plane(std::size_t plane) {
+ScalarPlanes::PlaneMemory ScalarPlanes::kept_plane(std::size_t plane) {
   Shelf& shelf = shelves_[shelf_->shelf];
   if (plane >= shelf.slots.size()) shelf.slots.resize(plane + 1);
   Slot& slot = shelf.slots[plane];
@@ -194,7 +194,7 @@ void ScalarPlanes::for_rows(std::uint32_t block, auto&& use) const {
 }
 
 /// Calls `change` with each row of a block's labels, where there are any.
-void ScalarPlanes::for_labels(const Place& place, std::uint32_t block, auto&& change) const {
+void ScalarPlanes::for_labels(const PlaneMemory& place, std::uint32_t block, auto&& change) const {
   if (!code_.labelled) return;
   for_rows(block, [&, labels = labels_of(place.memory)](std::ptrdiff_t at, int count) {
     change(std::span(labels + at, std::size_t(count)));
@@ -202,7 +202,7 @@ void ScalarPlanes::for_labels(const Place& place, std::uint32_t block, auto&& ch
 }
 
 template <class Number>
-void ScalarPlanes::fill(const Place& place, std::uint32_t block, std::uint8_t with) {
+void ScalarPlanes::fill(const PlaneMemory& place, std::uint32_t block, std::uint8_t with) {
   Slot& slot = place.slot;
   if (slot.holds[block] == with) return;
   const bool stays = slot.holds[block] == voxels;
@@ -220,7 +220,7 @@ void ScalarPlanes::fill(const Place& place, std::uint32_t block, std::uint8_t wi
 }
 
 template <class Number>
-void ScalarPlanes::fill_all(const Place& place, std::uint8_t with) {
+void ScalarPlanes::fill_all(const PlaneMemory& place, std::uint8_t with) {
   Slot& slot = place.slot;
   const auto fill_one = [&](std::uint32_t block) { fill<Number>(place, block, with); };
   if (slot.elsewhere == with)
@@ -232,7 +232,8 @@ void ScalarPlanes::fill_all(const Place& place, std::uint8_t with) {
 }
 
 template <class Number, class T>
-void ScalarPlanes::put_blocks(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload) {
+void ScalarPlanes::put_blocks(const PlaneMemory& place, std::uint8_t voxels_are,
+                              const SheetPayload& payload) {
   Slot& slot = place.slot;
   const std::uint8_t elsewhere = payload.header.elsewhere;
   if (slot.elsewhere != elsewhere) fill_all<Number>(place, elsewhere);
@@ -281,7 +282,7 @@ void ScalarPlanes::check_kept(const Slot& slot, std::uint32_t block, int plane) 
 
 /// Returns the end of its bytes.
 template <class Number, class T>
-const std::byte* ScalarPlanes::put_block(const Place& place, std::uint32_t block, bool labelled,
+const std::byte* ScalarPlanes::put_block(const PlaneMemory& place, std::uint32_t block, bool labelled,
                                          const std::byte* from) const {
   const int across = wide(int(block) % columns_);
   Number* voxel = origin<Number>(place.memory) + place_of(block);
@@ -323,7 +324,7 @@ void ScalarPlanes::extrapolate_border(Number* p) {
   }
 }
 
-void ScalarPlanes::put(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload,
+void ScalarPlanes::put(const PlaneMemory& place, std::uint8_t voxels_are, const SheetPayload& payload,
                        ScalarType type) {
   changed_columns_ = changed_rows_ = {};
   with_number([&](auto number) {
@@ -336,7 +337,7 @@ void ScalarPlanes::put(const Place& place, std::uint8_t voxels_are, const SheetP
 void ScalarPlanes::place(int step, const SheetPayload& payload, ScalarType type) {
   plane_of_step_.resize(std::max(plane_of_step_.size(), std::size_t(step + 2)), no_plane);
   plane_of_step_[std::size_t(step + 1)] = payload.header.plane;
-  if (!keep(payload, type)) put(place_of_step(step), unknown, payload, type);
+  if (!keep(payload, type)) put(memory_of_step(step), unknown, payload, type);
 }
 
 bool ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
@@ -348,7 +349,7 @@ bool ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
     empty(shelf);
     shelf = {shelf_->generation, width_, height_, code_, {}, {}};
   }
-  const Place place = kept_plane(payload.header.plane);
+  const PlaneMemory place = kept_plane(payload.header.plane);
   renew_fillers(place.slot);
   put(place, voxels, payload, type);
   return true;
@@ -356,7 +357,7 @@ bool ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
 
 template <class Number>
 void ScalarPlanes::extrapolate_as(int step, int a, int b) {
-  const Place to = place_of_step(step), at_a = place_of_step(a), at_b = place_of_step(b);
+  const PlaneMemory to = memory_of_step(step), at_a = memory_of_step(a), at_b = memory_of_step(b);
   auto* out = origin<Number>(to.memory);
   const auto *one = origin<Number>(at_a.memory), *other = origin<Number>(at_b.memory);
   const auto extrapolate_row = [=](std::ptrdiff_t first, std::ptrdiff_t numbers) {

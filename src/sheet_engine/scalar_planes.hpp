@@ -64,16 +64,16 @@ class ScalarPlanes {
   };
 
   /// Memory of a plane and what it holds.
-  struct Place {
+  struct PlaneMemory {
     std::byte* memory;
     Slot& slot;
   };
-  Place place_of_step(int step);
-  void put(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload, ScalarType type);
+  PlaneMemory memory_of_step(int step);
+  void put(const PlaneMemory& place, std::uint8_t voxels_are, const SheetPayload& payload, ScalarType type);
   void use_shelf(const ShelfNumber& number);
   void empty(Shelf& shelf);
   std::vector<std::byte> memory_of_planes();
-  Place kept_plane(std::size_t plane);
+  PlaneMemory kept_plane(std::size_t plane);
   std::size_t planes_together() const { return std::max<std::size_t>(1, least_memory / plane_bytes_); }
   void renew_fillers(Slot& slot) const;
   /// Calls `use` with one of the planes' numbers, for its type.
@@ -82,17 +82,17 @@ class ScalarPlanes {
   Number* origin(std::byte* memory) const;
   std::uint8_t* labels_of(std::byte* memory) const;
   template <class Number, class T>
-  void put_blocks(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload);
+  void put_blocks(const PlaneMemory& place, std::uint8_t voxels_are, const SheetPayload& payload);
   template <class Number, class T>
-  const std::byte* put_block(const Place& place, std::uint32_t block, bool labelled,
+  const std::byte* put_block(const PlaneMemory& place, std::uint32_t block, bool labelled,
                              const std::byte* from) const;
   static void check_kept(const Slot& slot, std::uint32_t block, int plane);
   void for_rows(std::uint32_t block, auto&& use) const;
-  void for_labels(const Place& place, std::uint32_t block, auto&& change) const;
+  void for_labels(const PlaneMemory& place, std::uint32_t block, auto&& change) const;
   template <class Number>
-  void fill_all(const Place& place, std::uint8_t with);
+  void fill_all(const PlaneMemory& place, std::uint8_t with);
   template <class Number>
-  void fill(const Place& place, std::uint32_t block, std::uint8_t with);
+  void fill(const PlaneMemory& place, std::uint32_t block, std::uint8_t with);
   void note_change(std::uint32_t block);
   template <class Number>
   void extrapolate_border(Number* plane);

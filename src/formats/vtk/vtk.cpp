@@ -21,7 +21,7 @@ namespace {
 
 /// The header of a legacy VTK file of structured points (VTK file formats, "Simple legacy formats"), up to
 /// its first SCALARS, COLOR_SCALARS or VECTORS.
-struct Header {
+struct VtkHeader {
   Grid grid;
   bool binary = false;  ///< big-endian; else numbers in text
   int components = 1;   ///< numbers in a voxel
@@ -31,11 +31,11 @@ struct Header {
 constexpr const char* other_hint = "write it as STRUCTURED_POINTS with scalars, or as .nrrd or .mhd";
 
 /// Reads the words of each line, of which the first is the key.
-class Reader {
+class VtkHeaderReader {
  public:
-  explicit Reader(const std::filesystem::path& path) : file_(path), text_(file_) {}
+  explicit VtkHeaderReader(const std::filesystem::path& path) : file_(path), text_(file_) {}
 
-  Header read() {
+  VtkHeader read() {
     constexpr int most_lines = 100;  // a header has a dozen
     if (const auto magic = text_.line(); !magic || !lower_case(*magic).starts_with("# vtk datafile"))
       fail("is not a legacy VTK file");
@@ -126,7 +126,7 @@ class Reader {
 
   InputFile file_;
   TextReader text_;
-  Header header_;
+  VtkHeader header_;
   std::vector<std::string> words_;  ///< of the line
   bool has_encoding_ = false;
 };
@@ -134,7 +134,7 @@ class Reader {
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const VolumeChoice& choice) {
-  const Header header = Reader(path).read();
+  const VtkHeader header = VtkHeaderReader(path).read();
   const auto& grid = header.grid;
   const auto wide = interleaved_grid(grid, header.components, path.string());
   const StoredVoxels stored{.file = path,

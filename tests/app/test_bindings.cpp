@@ -9,11 +9,11 @@ using Catch::Matchers::Contains;
 namespace {
 
 /// Ranks on one machine, free to use all of its cores.
-std::vector<Place> unbound(int ranks, const std::string& machine, std::vector<int> cores) {
-  return std::vector<Place>(std::size_t(ranks), {machine, std::move(cores)});
+std::vector<Binding> unbound(int ranks, const std::string& machine, std::vector<int> cores) {
+  return std::vector<Binding>(std::size_t(ranks), {machine, std::move(cores)});
 }
 
-std::vector<Place> joined(std::vector<Place> a, const std::vector<Place>& b) {
+std::vector<Binding> joined(std::vector<Binding> a, const std::vector<Binding>& b) {
   a.insert(a.end(), b.begin(), b.end());
   return a;
 }
