@@ -104,14 +104,6 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Came
   return launch.of_rank_0(axes);
 }
 
-/// What these options need loaded when the views traverse `axes`.
-LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
-  LoadOptions load = needed_along(o.frame, axes);
-  if (o.budget.max_error && !o.budget.fixed.contains("--undersample"))
-    load.factors.assign(undersampling.begin(), undersampling.end());
-  return load;
-}
-
 /// Says on rank 0 why sheets err, unless the error is measured.
 void warn_of_errors(const RenderOptions& o, const FrameSpec& frame, const DataRange& range,
                     Progress& progress, const Launch& launch) {
@@ -197,7 +189,9 @@ Job prepare(const RenderOptions& given, Launch& launch) {
     if (o.annotate)
       job.annotation.emplace(grid, job.volume.notes, o.background, o.colour.range, job.channels);
   });
-  job.load = load_options(o, agree_on_axes(o, job.cameras, grid, launch));
+  job.load = needed_along(o.frame, agree_on_axes(o, job.cameras, grid, launch));
+  if (o.budget.max_error && !o.budget.fixed.contains("--undersample"))
+    job.load.factors.assign(undersampling.begin(), undersampling.end());
   settle_layout(job, pictures_at_once(job, job.cameras.size()), 1, launch);
   launch.check_on_rank_0([&] {
     if (!o.output.empty() || !o.error.map.empty()) require_image_library();

@@ -7,11 +7,11 @@
 #include <charconv>
 #include <filesystem>
 #include <limits>
-#include <regex>
 #include <utility>
 
 #include "base/printable.hpp"
 #include "base/text.hpp"
+#include "formats/volume_files.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/reduced.hpp"
 #include "volume/clipped.hpp"
@@ -26,10 +26,7 @@ using Numbered = std::vector<std::pair<int, std::string>>;
 constexpr std::size_t most_volumes = 1'000'000;
 
 /// True for a file's name with one %d or %04d in it.
-bool has_number(const std::string& name) {
-  static const std::regex form("[^%]*%(0[0-9]{0,2})?d[^%]*");
-  return std::regex_match(name, form);
-}
+bool has_number(const std::string& name) { return !detail::numbered_names(name, 0, 1, 1).empty(); }
 
 Numbered numbered_files(const fs::path& path) {
   Numbered found;

@@ -5,6 +5,7 @@
 #include "app/commands.hpp"
 #include "base/output_file.hpp"
 #include "base/text.hpp"
+#include "formats/limits.hpp"
 #include "formats/write.hpp"
 #include "program/progress.hpp"
 #include "program/text_output.hpp"
@@ -18,8 +19,7 @@ namespace fs = std::filesystem;
 /// Checks the disk's space before the work: RunError when too little is free, InputError when the whole disk
 /// is too small.
 void check_room(const fs::path& file, const Grid& grid, bool compressed) {
-  constexpr std::uint64_t most_compression = 1032;  // largest factor of deflate (zlib's technical details)
-  const std::uint64_t needed = compressed ? grid.bytes() / most_compression : grid.bytes();
+  const std::uint64_t needed = grid.bytes() / (compressed ? detail::deflate_best_ratio : 1);
   std::error_code error;
   const auto space = fs::space(file.has_parent_path() ? file.parent_path() : ".", error);
   if (error || needed <= space.available) return;

@@ -4,10 +4,9 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <new>
+#include <string>
 #include <system_error>
 
 #include "ringsplat/base/error.hpp"
@@ -15,19 +14,14 @@
 namespace ringsplat {
 namespace {
 
-struct Line {
-  explicit Line(const std::string& rank) {
-    const auto written = fmt::format_to_n(text.data(), text.size(),
-                                          "ringsplat{}: error: {}; hint: use more ranks on more machines, a "
-                                          "smaller --size or --axes needed\n",
-                                          rank, lack_of_memory);
-    size = std::min(text.size(), written.size);
-  }
-  std::array<char, 160> text{};
-  std::size_t size;
-};
+std::string line_of(const std::string& rank) {
+  return fmt::format(
+      "ringsplat{}: error: {}; hint: use more ranks on more machines, a smaller --size or --axes needed\n",
+      rank, lack_of_memory);
+}
 
-Line line{""};
+/// Made beforehand, and never gone.
+std::string& line = *new std::string(line_of(""));
 
 [[noreturn]] void end_for_lack_of_memory() {
   say_lack_of_memory();
@@ -57,9 +51,9 @@ bool is_lack_of_memory(const std::exception& error) {
   return system != nullptr && system->code() == std::errc::resource_unavailable_try_again;
 }
 
-void say_lack_of_memory() noexcept { static_cast<void>(!write(STDERR_FILENO, line.text.data(), line.size)); }
+void say_lack_of_memory() noexcept { static_cast<void>(!write(STDERR_FILENO, line.data(), line.size())); }
 
-void name_in_lack_of_memory(const std::string& rank) { line = Line(rank); }
+void name_in_lack_of_memory(const std::string& rank) { line = line_of(rank); }
 
 bool has_address_space(std::size_t bytes) {
   void* const space = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);

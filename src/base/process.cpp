@@ -15,7 +15,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <limits>
 #include <memory>
 #include <system_error>
 
@@ -46,13 +45,6 @@ std::vector<int> allowed_threads() {
       if (CPU_ISSET_S(thread, bytes, set.data())) threads.push_back(int(thread));
   if (!threads.empty()) return threads;
   return {0};
-}
-
-/// The number of cores whose time this process's control group may use; infinite without a limit.
-double cores_of_control_group() {
-  double quota = 0, period = 0;
-  if (std::ifstream(control_group() / "cpu.max") >> quota >> period && period > 0) return quota / period;
-  return std::numeric_limits<double>::infinity();
 }
 
 /// Null where it is unknown.
@@ -113,8 +105,10 @@ std::vector<int> allowed_cores() {
   }
   std::sort(cores.begin(), cores.end());
   cores.erase(std::unique(cores.begin(), cores.end()), cores.end());
-  const double most = std::ceil(cores_of_control_group());
-  if (most < double(cores.size())) cores.resize(std::size_t(std::max(1.0, most)));
+  // The control group's processes may use so much time in so much time.
+  double quota = 0, period = 0;
+  if (std::ifstream(control_group() / "cpu.max") >> quota >> period && period > 0)
+    cores.resize(std::size_t(std::clamp(std::ceil(quota / period), 1.0, double(cores.size()))));
   return cores;
 }
 

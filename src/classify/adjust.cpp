@@ -7,17 +7,13 @@
 namespace ringsplat {
 namespace {
 
-int steps_between(double low, double high) {
-  constexpr double per_decade = 8;
-  return std::clamp(int(std::ceil(per_decade * std::log10(high / low))), 1, 256);
-}
-
 /// `points` with others in between, so that logarithms are interpolated. `look`: the points' other member.
 template <class Point, class Look>
 std::vector<Point> filled(const std::vector<Point>& points, Look Point::*look) {
   return with_more(points, [&](std::vector<Point>& all, std::size_t k) {
     const Point &a = points[k], &b = points[k + 1];
-    const int steps = steps_between(a.value, b.value);
+    constexpr double per_decade = 8;
+    const int steps = std::clamp(int(std::ceil(per_decade * std::log10(b.value / a.value))), 1, 256);
     for (int i = 1; i < steps; ++i) {
       const double part = double(i) / steps;
       all.push_back({DataRange{a.value, b.value}.at_logarithm(part), blend(a.*look, b.*look, part)});

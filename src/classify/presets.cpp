@@ -84,15 +84,6 @@ const std::vector<PresetTable>& tables() {
 
 constexpr const char* automatic = "auto";
 
-TransferFunction from_table(const PresetTable& table, const DataRange& range) {
-  TransferFunction tf;
-  tf.name = table.name.name;
-  tf.colours = table.colours;
-  tf.opacities = table.opacities;
-  if (table.scale == Scale::range) stretch(tf, range);
-  return tf;
-}
-
 }  // namespace
 
 const std::vector<PresetName>& preset_names() {
@@ -110,7 +101,11 @@ const std::vector<PresetName>& preset_names() {
 TransferFunction preset(const std::string& name, const Histogram& histogram) {
   if (name == automatic) return choose_function(describe_values(histogram)).function;
   for (const auto& table : tables())
-    if (table.name.name == name) return from_table(table, range_of(histogram));
+    if (table.name.name == name) {
+      TransferFunction tf{table.name.name, table.colours, table.opacities};
+      if (table.scale == Scale::range) stretch(tf, range_of(histogram));
+      return tf;
+    }
   throw InputError(fmt::format("there is no transfer function \"{}\"", name),
                    fmt::format("use one of {} or a ParaView colour map (.json)",
                                detail::joined(preset_names(), ", ", &PresetName::name)));

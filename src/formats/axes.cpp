@@ -1,8 +1,6 @@
 #include "formats/axes.hpp"
 
 #include <algorithm>
-#include <map>
-#include <set>
 
 #include "base/log.hpp"
 #include "base/text.hpp"
@@ -56,19 +54,16 @@ std::optional<double> micrometres_in(const std::string& unit) {
 }
 
 void describe_by_name(DatasetAxis& axis) {
-  static const std::map<std::string, int> along{{"x", 0},   {"lon", 0},    {"longitude", 0}, {"easting", 0},
-                                                {"y", 1},   {"lat", 1},    {"latitude", 1},  {"northing", 1},
-                                                {"z", 2},   {"height", 2}, {"altitude", 2},  {"alt", 2},
-                                                {"lev", 2}, {"level", 2},  {"depth", 2},     {"plev", 2}};
-  static const std::set<std::string> of_time{"t", "time", "frame", "frames", "step"};
-  static const std::set<std::string> of_channels{"c",          "ch",  "channel", "channels", "component",
-                                                 "components", "rgb", "rgba",    "band"};
-  if (const auto found = along.find(axis.name); found != along.end()) {
-    axis.known = true;
-    axis.world = found->second;
-  }
-  if (of_time.count(axis.name) != 0) axis.known = true, axis.role = Role::frame;
-  if (of_channels.count(axis.name) != 0) axis.known = true, axis.role = Role::channel;
+  const auto is_one_of = [&](const char* names) {
+    return std::ranges::count(words_of(names), axis.name) > 0;
+  };
+  constexpr const char* along[] = {"x lon longitude easting", "y lat latitude northing",
+                                   "z height altitude alt lev level depth plev"};
+  for (int world = 0; world < 3; ++world)
+    if (is_one_of(along[world])) axis.known = true, axis.world = world;
+  if (is_one_of("t time frame frames step")) axis.known = true, axis.role = Role::frame;
+  if (is_one_of("c ch channel channels component components rgb rgba band"))
+    axis.known = true, axis.role = Role::channel;
 }
 
 void settle_roles(DatasetMeaning& meaning, const std::string& where, const char* hint) {

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -54,10 +53,8 @@ class BytesInOrder : public EncodedBytes {
       restart();
       position_ = 0;
     }
-    std::vector<std::byte> skipped(std::size_t(std::min<std::uint64_t>(offset - position_, window_bytes)));
-    while (position_ < offset)
-      take(
-          std::span(skipped).first(std::size_t(std::min<std::uint64_t>(offset - position_, skipped.size()))));
+    for (std::vector<std::byte> skipped; position_ < offset; take(skipped))
+      skipped.resize(std::size_t(std::min<std::uint64_t>(offset - position_, window_bytes)));
     take(out);
   }
 
@@ -151,92 +148,75 @@ class BytesInText : public BytesInOrder {
  protected:
   void restart() override { text_.emplace(file_, begin_, end_); }
 
-  static constexpr const char* damaged = "the file was cut short or is damaged: copy or write it again";
-
   std::uint64_t begin_, end_;
   std::optional<TextReader> text_;
 };
 
-class Base64Bytes final : public BytesInText {
+using DigitValues = std::array<std::uint8_t, 256>;
+constexpr std::uint8_t no_digit = 255;
+
+/// By character, of digits that begin with 0 again after every `base` of them.
+constexpr DigitValues values_of(std::string_view digits, std::size_t base) {
+  DigitValues values{};
+  values.fill(no_digit);
+  for (std::size_t i = 0; i < digits.size(); ++i) values[std::size_t(digits[i])] = std::uint8_t(i % base);
+  return values;
+}
+
+constexpr DigitValues of_hex = values_of("0123456789abcdef0123456789ABCDEF", 16),
+                      of_base64 =
+                          values_of("ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/", 64);
+
+/// Hexadecimal digits, of which two are a byte, or base64's, of which four are three bytes, and two or three
+/// before padding one or two.
+class BytesOfDigits final : public BytesInText {
  public:
-  using BytesInText::BytesInText;
+  BytesOfDigits(const InputFile& file, std::uint64_t begin, std::uint64_t end, bool hex)
+      : BytesInText(file, begin, end), hex_(hex) {}
   std::uint64_t most() const override { return (end_ - begin_) / 4 * 3 + 3; }
 
  private:
-  static constexpr std::uint8_t blank = 64, padding = 65, strange = 66;
-  static constexpr std::array<std::uint8_t, 256> values = [] {
-    constexpr std::string_view alphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::array<std::uint8_t, 256> list{};
-    list.fill(strange);
-    for (std::size_t i = 0; i < alphabet.size(); ++i) list[std::size_t(alphabet[i])] = std::uint8_t(i);
-    for (const char c : {' ', '\t', '\r', '\n'}) list[std::size_t(c)] = blank;
-    list[std::size_t('=')] = padding;
-    return list;
-  }();
-
   void restart() override {
     BytesInText::restart();
-    made_ = used_ = 0;
+    left_ = 0;
   }
 
   std::size_t decode(std::span<std::byte> out) override {
-    if (used_ == made_) decode_four();
-    const auto count = std::min(out.size(), made_ - used_);
-    std::memcpy(out.data(), bytes_.data() + used_, count);
-    used_ += count;
+    if (left_ == 0) take_group();
+    const auto count = std::min(out.size(), left_);
+    for (auto& byte : out.first(count)) byte = std::byte(group_ >> 8 * --left_ & 255U);
     return count;
   }
 
-  /// Four letters are three bytes; two or three letters before padding are one or two.
-  void decode_four() {
-    std::uint32_t bits = 0;
-    int letters = 0, pads = 0;
-    while (letters + pads < 4) {
-      const auto letter = text_->peek();
-      if (!letter) fail_data("ends too early");
-      text_->advance();
-      const auto value = values[static_cast<unsigned char>(*letter)];
-      if (value == blank) continue;
-      if (value == strange || (value == padding ? letters < 2 : pads > 0)) fail_data("is no base64");
-      bits = bits << 6 | (value == padding ? 0U : value);
-      (value == padding ? pads : letters) += 1;
+  void take_group() {
+    const int digits = hex_ ? 2 : 4, bits = hex_ ? 4 : 6;
+    int pads = 0;
+    for (int i = 0; i < digits; ++i) {
+      const auto c = next();
+      const auto value = c ? (hex_ ? of_hex : of_base64)[static_cast<unsigned char>(*c)] : no_digit;
+      if (!hex_ && c == '=' && i > 1)
+        ++pads;
+      else if (value == no_digit || pads > 0)
+        refuse(file_.path(), "the file was cut short or is damaged: copy or write it again",
+               "byte {} is no {}", text_->position() - 1, hex_ ? "hexadecimal digit" : "base64");
+      else
+        group_ = group_ << bits | value;
     }
-    for (std::size_t i = 0; i < bytes_.size(); ++i) bytes_[i] = std::byte(bits >> (16 - 8 * i) & 255U);
-    made_ = std::size_t(letters - 1);
-    used_ = 0;
+    left_ = std::size_t((digits - pads) * bits / 8);
+    group_ >>= (digits - pads) * bits % 8;
   }
 
-  [[noreturn]] void fail_data(const char* what) const {
-    refuse(file_.path(), damaged, "its data {} after {} bytes", what, position_);
-  }
-
-  std::array<std::byte, 3> bytes_{};
-  std::size_t made_ = 0, used_ = 0;
-};
-
-class HexBytes final : public BytesInText {
- public:
-  using BytesInText::BytesInText;
-
- private:
-  std::size_t decode(std::span<std::byte> out) override {
-    for (auto& byte : out) {
-      const auto high = digit();
-      byte = std::byte(high << 4 | digit());
-    }
-    return out.size();
-  }
-
-  unsigned digit() {
+  /// The next character that is no blank.
+  std::optional<char> next() {
     auto c = text_->peek();
     for (; c && std::isspace(static_cast<unsigned char>(*c)) != 0; c = text_->peek()) text_->advance();
-    unsigned value = 0;
-    constexpr int base = 16;
-    if (!c || std::from_chars(&*c, &*c + 1, value, base).ec != std::errc())
-      refuse(file_.path(), damaged, "byte {} is no hexadecimal digit", text_->position());
-    text_->advance();
-    return value;
+    if (c) text_->advance();
+    return c;
   }
+
+  bool hex_;
+  std::uint32_t group_ = 0;
+  std::size_t left_ = 0;  ///< bytes of the group
 };
 
 /// Writers print whole numbers as "1e+06" too.
@@ -287,8 +267,8 @@ std::unique_ptr<EncodedBytes> encoded_bytes(const InputFile& file, Encoding enco
                                             std::uint64_t end, ScalarType type) {
   if (encoding == Encoding::raw) return std::make_unique<PlainBytes>(file, begin, end);
   if (encoding == Encoding::deflate) return std::make_unique<InflatedBytes>(file, begin);
-  if (encoding == Encoding::base64) return std::make_unique<Base64Bytes>(file, begin, end);
-  if (encoding == Encoding::hex) return std::make_unique<HexBytes>(file, begin, end);
+  if (encoding == Encoding::base64 || encoding == Encoding::hex)
+    return std::make_unique<BytesOfDigits>(file, begin, end, encoding == Encoding::hex);
   return std::make_unique<BytesOfNumbers>(file, begin, end, type);
 }
 

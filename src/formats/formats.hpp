@@ -10,34 +10,30 @@
 /// refuses other choices.
 namespace ringsplat::detail {
 
-std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path, const VolumeChoice& choice);
-std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path, const VolumeChoice& choice);
-std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, const VolumeChoice& choice);
-std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const VolumeChoice& choice);
-std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const VolumeChoice& choice);
+using Open = std::unique_ptr<VolumeSource>(const std::filesystem::path& path, const VolumeChoice& choice);
+
+Open open_nrrd, open_meta, open_nifti, open_vtk, open_vti;
 /// NumPy arrays: [z][y][x], in C order also with an axis of frames before and one of 1 to 4 components
 /// behind.
-std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const VolumeChoice& choice);
+Open open_npy;
 /// Throws: an archive holds arrays by name.
-std::unique_ptr<VolumeSource> refuse_npz(const std::filesystem::path& path, const VolumeChoice& choice);
+Open refuse_npz;
 /// MRC2014 and CCP4 maps, compressed by gzip, too.
-std::unique_ptr<VolumeSource> open_mrc(const std::filesystem::path& path, const VolumeChoice& choice);
+Open open_mrc;
 /// FreeSurfer's volumes, compressed by gzip or not.
-std::unique_ptr<VolumeSource> open_mgh(const std::filesystem::path& path, const VolumeChoice& choice);
+Open open_mgh;
 /// The first image of at least three axes in a FITS file; also compressed by gzip, but not in tiles.
-std::unique_ptr<VolumeSource> open_fits(const std::filesystem::path& path, const VolumeChoice& choice);
+Open open_fits;
 /// A folder of Zarr, OME-Zarr or N5: an array, an image, whose finest level it opens, or a group that holds
 /// one of these.
-std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const VolumeChoice& choice);
+Open open_zarr;
 /// A folder of AMReX, a plotfile, of which it opens level 0.
-std::unique_ptr<VolumeSource> open_amrex(const std::filesystem::path& path, const VolumeChoice& choice);
+Open open_amrex;
 std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw);
 
 // By ringsplat-decode, or, where that finds the voxels as they are in the file, by this process. They throw
 // InputError also when the library crashes, takes too much time or memory.
-std::unique_ptr<VolumeSource> open_hdf5(const std::filesystem::path& path, const VolumeChoice& choice);
-std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path, const VolumeChoice& choice);
-std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice& choice);
+Open open_hdf5, open_tiff, open_dicom;
 
 /// MetaImage's names of types, in ScalarType's order.
 inline constexpr const char* meta_types[] = {"MET_CHAR", "MET_UCHAR", "MET_SHORT", "MET_USHORT",

@@ -21,10 +21,10 @@
 namespace ringsplat {
 namespace {
 
-using Open = std::unique_ptr<VolumeSource> (*)(const std::filesystem::path&, const VolumeChoice&);
+using detail::Open;
 
 /// By the endings of files' names.
-constexpr std::pair<const char*, Open> formats[] = {
+constexpr std::pair<const char*, Open*> formats[] = {
     {".nrrd .nhdr", detail::open_nrrd},
     {".mha .mhd", detail::open_meta},
     {".nii .nii.gz .hdr .img .img.gz", detail::open_nifti},
@@ -39,7 +39,7 @@ constexpr std::pair<const char*, Open> formats[] = {
     {".mrc .map .rec .ccp4 .mrc.gz .map.gz", detail::open_mrc},
     {".h5 .hdf5 .he5 .hdf .nc .nc4 .vtkhdf .mnc", detail::open_hdf5}};
 
-Open find_format(const std::filesystem::path& path) {
+Open* find_format(const std::filesystem::path& path) {
   const std::string name = detail::lower_case(path.filename().string());
   for (const auto& [endings, open] : formats)
     for (const auto& ending : detail::words_of(endings))
@@ -47,7 +47,7 @@ Open find_format(const std::filesystem::path& path) {
   return nullptr;
 }
 
-std::unique_ptr<VolumeSource> open_described(const std::filesystem::path& path, Open open,
+std::unique_ptr<VolumeSource> open_described(const std::filesystem::path& path, Open* open,
                                              const RawDescription& raw, const VolumeChoice& choice) {
   if (raw.dims || raw.type || raw.big_endian || raw.offset)
     detail::refuse(path, "leave them out; only --spacing may be given",
@@ -80,7 +80,7 @@ bool is_zarr(const std::filesystem::path& folder) {
 
 /// A folder's volume is a stack of TIFF pages, of PNG files or of DICOM images, beside which there may be
 /// pictures, unless the folder is a format of its own.
-Open format_of_folder(const std::filesystem::path& folder) {
+Open* format_of_folder(const std::filesystem::path& folder) {
   const auto has = [&](const char* name) { return std::filesystem::exists(folder / name); };
   if (is_zarr(folder)) return detail::open_zarr;
   if (has("Header") && has("Level_0")) return detail::open_amrex;
@@ -99,7 +99,7 @@ std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, c
   if (const auto [file, dataset] = detail::split_dataset(path); !dataset.empty())
     return open_described(path, detail::open_hdf5, raw, choice);
   { const detail::InputFile readable(path); }
-  if (const Open open = find_format(path)) return open_described(path, open, raw, choice);
+  if (Open* const open = find_format(path)) return open_described(path, open, raw, choice);
   const bool named_raw = detail::lower_case(path.extension().string()) == ".raw";
   if (named_raw || raw.dims) return detail::open_raw(path, raw);
   if (detail::is_hdf5(path)) return open_described(path, detail::open_hdf5, raw, choice);

@@ -136,18 +136,18 @@ void widen_halves(std::span<const std::byte> halves, std::span<std::byte> floats
 }
 
 void doubles_of_integers(std::span<std::byte> values, bool is_signed, const std::string& where) {
-  constexpr std::uint64_t largest = std::uint64_t{1} << 53;
-  for (std::size_t at = 0; at < values.size(); at += sizeof(double)) {
-    std::uint64_t bits;
-    std::memcpy(&bits, values.data() + at, sizeof(bits));
-    const bool negative = is_signed && bits >> 63 != 0;
-    const std::uint64_t magnitude = negative ? ~bits + 1 : bits;
-    if (magnitude > largest)
-      refuse(where, "convert the dataset to 32-bit integers or floats first",
-             "the 64-bit integer {}{} has no exact float64", negative ? "-" : "", magnitude);
-    const double value = negative ? -double(magnitude) : double(magnitude);
-    std::memcpy(values.data() + at, &value, sizeof(value));
-  }
+  const auto convert = [&]<class Integer>(Integer zero) {
+    constexpr auto largest = Integer{1} << 53;
+    for (std::size_t at = 0; at < values.size(); at += sizeof(double)) {
+      const auto integer = load<Integer>(values.data() + at, 0);
+      if (integer > largest || (is_signed && integer < zero - largest))
+        refuse(where, "convert the dataset to 32-bit integers or floats first",
+               "the 64-bit integer {} has no exact float64", integer);
+      const auto value = double(integer);
+      std::memcpy(values.data() + at, &value, sizeof(value));
+    }
+  };
+  is_signed ? convert(std::int64_t{0}) : convert(std::uint64_t{0});
 }
 
 void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> in, ScalarType to,

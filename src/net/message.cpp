@@ -30,16 +30,10 @@ Header make_header(Kind kind, NodeId from, NodeId to, std::int64_t frame) {
 }
 
 std::optional<TokenPlace> token_place(const Header& header) {
-  switch (header.kind) {
-    case Kind::token:
-      return fields_of<TokenFields>(header).place;
-    case Kind::payload:
-      return fields_of<PayloadFields>(header).place;
-    case Kind::accept:
-      return fields_of<AcceptFields>(header).place;
-    default:
-      return std::nullopt;
-  }
+  if (header.kind == Kind::token) return fields_of<TokenFields>(header).place;
+  if (header.kind == Kind::payload) return fields_of<PayloadFields>(header).place;
+  if (header.kind == Kind::accept) return fields_of<AcceptFields>(header).place;
+  return std::nullopt;
 }
 
 Message::Message(const Header& h, Bytes wire) : header(h), wire_(std::move(wire)) {

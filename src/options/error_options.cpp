@@ -31,14 +31,6 @@ void settle_fit(const OptionList& list, RenderOptions& o) {
   camera.fit = has_its_size ? Fit::sphere : o.fit.value_or(turns ? Fit::sphere : Fit::box);
 }
 
-void settle_mode(const OptionList& list, RenderOptions& o) {
-  // Of fluorescence the largest values show most, where the other options allow a mode.
-  const bool mip = std::holds_alternative<Sheets>(o.frame.how) && !list.is_given("--mode") &&
-                   o.colour.interpolation != Interpolation::nearest && !o.frame.shown.edges &&
-                   !list.is_given("--layers");
-  if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
-}
-
 }  // namespace
 
 void add_error_options(OptionList& list, RenderOptions& o) {
@@ -92,7 +84,11 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
     throw InputError(fmt::format("-o {} cannot hold --values", o.output), "write an .exr");
   settle_fit(list, o);
   o.frame.how = method_for(o.method);
-  settle_mode(list, o);
+  // Of fluorescence the largest values show most, where the other options allow a mode.
+  const bool mip = std::holds_alternative<Sheets>(o.frame.how) && !list.is_given("--mode") &&
+                   o.colour.interpolation != Interpolation::nearest && !o.frame.shown.edges &&
+                   !list.is_given("--layers");
+  if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
   for (const char* const name :
        {"--opaque-threshold", "--image-plane", "--slabs", "--light-points", "--undersample"})
     if (o.budget.max_error && list.is_given(name)) o.budget.fixed.emplace(name);

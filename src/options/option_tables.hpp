@@ -6,30 +6,21 @@
 /// subcommands.cpp gives each subcommand its options; contradictions.hpp has the rules between them.
 namespace ringsplat::app {
 
-void add_volume_options(OptionList& list, VolumeOptions& o);
-void add_layout_options(OptionList& list, RunOptions& o);
-void add_rank_options(OptionList& list, RunOptions& o);
-void add_protocol_options(OptionList& list, RunOptions& o);
-void add_machine_options(OptionList& list, RunOptions& o);
+template <class Options>
+using AddOptions = void(OptionList& list, Options& o);
+
+AddOptions<VolumeOptions> add_volume_options;
+AddOptions<RunOptions> add_layout_options, add_rank_options, add_protocol_options, add_machine_options;
 // In the order of --help, which puts size, transfer function and the rest of a picture below one heading.
-void add_clip_options(OptionList& list, RenderOptions& o);
-void add_series_options(OptionList& list, RenderOptions& o);
-void add_render_output_options(OptionList& list, RenderOptions& o);
-void add_camera_options(OptionList& list, RenderOptions& o);
-void add_view_options(OptionList& list, RenderOptions& o);
-void add_size_options(OptionList& list, RenderOptions& o);
-void add_tf_output_options(OptionList& list, RenderOptions& o);
-void add_method_options(OptionList& list, RenderOptions& o);
-void add_shading_options(OptionList& list, RenderOptions& o);
-void add_picture_options(OptionList& list, RenderOptions& o);
-void add_shortcut_options(OptionList& list, RenderOptions& o);
-void add_error_options(OptionList& list, RenderOptions& o);
-void add_server_options(OptionList& list, ServeOptions& o);
-void add_info_options(OptionList& list, InfoOptions& o);
-void add_compare_options(OptionList& list, CompareOptions& o);
-void add_reference_options(OptionList& list, ReferenceOptions& o);
-void add_synth_options(OptionList& list, SynthOptions& o);
-void add_pyramid_options(OptionList& list, PyramidOptions& o);
+AddOptions<RenderOptions> add_clip_options, add_series_options, add_render_output_options, add_camera_options,
+    add_view_options, add_size_options, add_tf_output_options, add_method_options, add_shading_options,
+    add_picture_options, add_shortcut_options, add_error_options;
+AddOptions<ServeOptions> add_server_options;
+AddOptions<InfoOptions> add_info_options;
+AddOptions<CompareOptions> add_compare_options;
+AddOptions<ReferenceOptions> add_reference_options;
+AddOptions<SynthOptions> add_synth_options;
+AddOptions<PyramidOptions> add_pyramid_options;
 
 /// Completes what all pictures have in common: the method, the mode of several channels where none is given,
 /// what --zoom 1 fits, whether some option says from where the volume is seen, and what an error budget may

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <glm/geometric.hpp>
@@ -263,7 +264,18 @@ std::string likely_option(const std::string& unknown, const std::vector<std::str
 
 namespace {
 
-using Part = ClipText::Part;
+struct Part {
+  std::string text;  ///< as typed, for messages
+  std::optional<double> first, end;
+  bool distances = false;
+  bool slice = false;  ///< the one voxel at `first`
+};
+
+struct ClipText {
+  std::string option;  ///< for messages
+  std::array<Part, 3> parts;
+  VoxelBox operator()(const Grid& grid) const;
+};
 
 /// Takes the unit off, where there is one.
 bool take_unit(std::string& text) {
@@ -314,9 +326,24 @@ int faces_to(double number, const Part& part, Axis axis, const ClipText& clip, c
   return static_cast<int>(faces);
 }
 
+VoxelBox ClipText::operator()(const Grid& grid) const {
+  VoxelBox box = whole_box(grid);
+  for (const Axis axis : all_axes) {
+    const auto k = static_cast<int>(axis);
+    const Part& part = parts[std::size_t(axis)];
+    if (part.first) box.first[k] = faces_to(*part.first, part, axis, *this, grid);
+    if (part.end) box.end[k] = faces_to(*part.end, part, axis, *this, grid);
+    if (part.slice) box.end[k] = box.first[k] + 1;
+    if (box.first[k] >= box.end[k])
+      refuse(option, axis, part, "has no voxel",
+             part.distances ? "a voxel counts when its centre lies between" : "FIRST must be less than END");
+  }
+  return box;
+}
+
 }  // namespace
 
-ClipText parse_clip(const std::string& text, const std::string& option) {
+BoxOf parse_clip(const std::string& text, const std::string& option) {
   ClipText clip;
   clip.option = option;
   const auto parts = split(text, ",");
@@ -331,11 +358,7 @@ ClipText parse_clip(const std::string& text, const std::string& option) {
   return clip;
 }
 
-std::function<VoxelBox(const Grid&)> parse_crop(const std::string& text, const std::string& option) {
-  return [clip = parse_clip(text, option)](const Grid& grid) { return clip_box(clip, grid).value(); };
-}
-
-std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string& option) {
+std::pair<BoxOf, Axis> parse_slice(const std::string& text, const std::string& option) {
   ClipText clip;
   clip.option = option;
   const auto words = split(text, "=");
@@ -369,22 +392,6 @@ std::vector<ClipPlane> parse_clip_planes(const std::string& text, const std::str
   std::vector<ClipPlane> planes;
   for (const auto part : split(text, ":")) planes.push_back(parse_clip_plane(part, option));
   return planes;
-}
-
-std::optional<VoxelBox> clip_box(const std::optional<ClipText>& clip, const Grid& grid) {
-  if (!clip) return std::nullopt;
-  VoxelBox box = whole_box(grid);
-  for (const Axis axis : all_axes) {
-    const auto k = static_cast<int>(axis);
-    const Part& part = clip->parts[std::size_t(axis)];
-    if (part.first) box.first[k] = faces_to(*part.first, part, axis, *clip, grid);
-    if (part.end) box.end[k] = faces_to(*part.end, part, axis, *clip, grid);
-    if (part.slice) box.end[k] = box.first[k] + 1;
-    if (box.first[k] >= box.end[k])
-      refuse(clip->option, axis, part, "has no voxel",
-             part.distances ? "a voxel counts when its centre lies between" : "FIRST must be less than END");
-  }
-  return box;
 }
 
 }  // namespace ringsplat::app

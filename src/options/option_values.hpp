@@ -1,6 +1,4 @@
 #pragma once
-#include <array>
-#include <cstddef>
 #include <functional>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -80,36 +78,26 @@ FrameRange parse_frames(const std::string& text, const std::string& option);
 /// alike.
 std::string likely_option(const std::string& unknown, const std::vector<std::string>& known);
 
+/// What is meant of a volume. Throws InputError that names the part that has no voxel or leaves the volume.
+using BoxOf = std::function<VoxelBox(const Grid&)>;
+
 /// A clip box as people type it, "x0:x1,y0:y1,z0:z1": a part that is empty or has an open end reaches to the
 /// volume's face. Numbers are voxels, x0 the first and x1 the first behind; in a part that ends in "mm", and
 /// in all parts when the last one does, they are distances from the volume's first face along the lattice's
-/// axis, in the file's world units, and voxels count whose centres lie between.
-struct ClipText {
-  struct Part {
-    std::string text;  ///< as typed, for messages
-    std::optional<double> first, end;
-    bool distances = false;
-    bool slice = false;  ///< the one voxel at `first`
-  };
-  std::string option;  ///< for messages
-  std::array<Part, 3> parts;
-};
-
-/// Throws InputError that names the part that is no range.
-ClipText parse_clip(const std::string& text, const std::string& option);
-
-/// The box that clip_box() makes of such a text, for a volume that is opened later.
-std::function<VoxelBox(const Grid&)> parse_crop(const std::string& text, const std::string& option);
+/// axis, in the file's world units, and voxels count whose centres lie between. Throws InputError that names
+/// the part that is no range.
+BoxOf parse_clip(const std::string& text, const std::string& option);
 
 /// One slice, "x=40" or "z=12.5mm", and the axis that it lies across. Throws InputError.
-std::pair<ClipText, Axis> parse_slice(const std::string& text, const std::string& option);
+std::pair<BoxOf, Axis> parse_slice(const std::string& text, const std::string& option);
 
 /// A clip plane, "nx,ny,nz,d"; or several with colons between. Throws InputError.
 ClipPlane parse_clip_plane(std::string_view text, const std::string& option);
 std::vector<ClipPlane> parse_clip_planes(const std::string& text, const std::string& option);
 
-/// The voxels that are meant, where there is a text. Throws InputError that names the part that has none or
-/// leaves the volume.
-std::optional<VoxelBox> clip_box(const std::optional<ClipText>& clip, const Grid& grid);
+/// The box that was typed, if any.
+inline std::optional<VoxelBox> clip_box(const BoxOf& clip, const Grid& grid) {
+  return clip ? std::optional(clip(grid)) : std::nullopt;
+}
 
 }  // namespace ringsplat::app

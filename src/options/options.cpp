@@ -71,7 +71,7 @@ void add_volume_options(OptionList& list, VolumeOptions& o) {
       {"--crop", "X0:X1,Y0:Y1,Z0:Z1", nullptr,
        "Read only these voxels, as if the file held no others; of a pyramid in voxels of the finest level; "
        "typed as --clip is, which hides voxels of the volume",
-       parsed(o.choice.crop, parse_crop)},
+       parsed(o.choice.crop, parse_clip)},
       {"--mask", "FILE[=LABELS]", nullptr,
        "Show only what a segmentation covers, or of its labels some: seg.nrrd=1,3-5; of its own grid or "
        "another",

@@ -152,7 +152,7 @@ struct RenderOptions {
   /// Without its transfer function, which may depend on the volume's histogram, and its clip box, which
   /// follows from `clip` and the volume's grid. Its `how` follows from `method`.
   FrameSpec frame;
-  std::optional<ClipText> clip;
+  BoxOf clip;
   std::optional<Axis> slice;   ///< one slice across it is shown, which `clip` tells
   bool oblique_slice = false;  ///< what lies in the frame's clip plane is shown
   MethodOptions method;

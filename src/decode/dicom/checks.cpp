@@ -102,12 +102,6 @@ DicomShape read_shape(const DicomFile& file) {
   return shape;
 }
 
-void check_spacing(const DicomFile& file, const DicomItem& item, DicomTag tag) {
-  for (const double value : checked_numbers(file, item, tag))
-    if (!(value > 0))
-      refuse(file.path, "it must be positive", "{} has the value {:g}", described(tag), value);
-}
-
 /// GDCM silently replaces an orientation that it does not accept.
 void check_orientation(const DicomFile& file, const DicomItem& item) {
   const auto n = checked_numbers(file, item, dicom::orientation);
@@ -160,7 +154,9 @@ ScalarType narrowest_type(const DicomShape& shape, const Rescale& rescale) {
 void check_numbers(const DicomFile& file, const DicomItem& item) {
   for (const auto& tag : {dicom::pixel_spacing, dicom::imager_spacing, dicom::scanned_spacing,
                           dicom::plane_spacing, dicom::aspect, dicom::delta_x, dicom::delta_y})
-    check_spacing(file, item, tag);
+    for (const double value : checked_numbers(file, item, tag))
+      if (!(value > 0))
+        refuse(file.path, "it must be positive", "{} has the value {:g}", described(tag), value);
   checked_numbers(file, item, dicom::slice_distance);
   checked_numbers(file, item, dicom::position);
   check_orientation(file, item);
@@ -207,9 +203,7 @@ std::vector<double> checked_numbers(const DicomFile& file, const DicomItem& item
 }
 
 ScalarType stored_type(const DicomShape& shape) {
-  if (shape.bits_allocated == 8) return shape.is_signed ? ScalarType::int8 : ScalarType::uint8;
-  if (shape.bits_allocated == 16) return shape.is_signed ? ScalarType::int16 : ScalarType::uint16;
-  return shape.is_signed ? ScalarType::int32 : ScalarType::uint32;
+  return scalar_type_from(fmt::format("{}int{}", shape.is_signed ? "" : "u", shape.bits_allocated));
 }
 
 ScalarType rescaled_type(const DicomFile& file, DicomShape& shape, const Rescale& rescale) {

@@ -119,27 +119,6 @@ void require_alike(const std::vector<DicomFrame>& images) {
   }
 }
 
-/// `grid`: of an image, becomes that of the stack. The third axis comes from the slices' positions: a tilted
-/// gantry shears the lattice.
-DicomStack stack_up(const std::vector<DicomPlane>& planes, const VolumeChoice& choice,
-                    const std::filesystem::path& where, std::function<std::string(std::size_t)> name_of,
-                    Grid& grid) {
-  auto stack =
-      stack_planes(planes, {.normal = glm::normalize(glm::cross(grid.direction[0], grid.direction[1])),
-                            .pixel = std::min(grid.spacing.x, grid.spacing.y),
-                            .frame = choice.frame,
-                            .where = where.string(),
-                            .name_of = std::move(name_of)});
-  grid.dims.z = int(stack.slices.size());
-  grid.origin = stack.origin;
-  if (stack.slices.size() > 1) {
-    grid.spacing.z = glm::length(stack.step);
-    grid.direction[2] = stack.step / grid.spacing.z;
-  }
-  check_lattice(grid, where.string());
-  return stack;
-}
-
 /// The images of a series that can be read; warns of the others. Throws the first complaint when none can.
 std::vector<DicomFrame> images_of(const DicomSeries& series) {
   std::vector<DicomFrame> images;
@@ -169,7 +148,7 @@ std::unique_ptr<VolumeSource> open_series(const DicomSeries& series, const Volum
   std::vector<DicomPlane> planes;
   for (const auto& image : images) planes.push_back(image.plane);
   const auto name_of = [&](std::size_t i) { return images[i].file.filename().string(); };
-  auto stack = stack_up(planes, choice, where, name_of, grid);
+  auto stack = stack_planes(planes, choice.frame, where.string(), name_of, grid);
   times = stack.frames;
   return std::make_unique<DicomSource>(grid, std::move(images), std::move(stack.slices));
 }
@@ -186,7 +165,7 @@ std::unique_ptr<VolumeSource> open_frames(const DicomHeader& header, const Volum
     grid.direction[0] = planes->row;
     grid.direction[1] = planes->column;
     const auto name_of = [](std::size_t i) { return fmt::format("frame {}", i); };
-    auto stack = stack_up(planes->planes, choice, header.file, name_of, grid);
+    auto stack = stack_planes(planes->planes, choice.frame, header.file.string(), name_of, grid);
     slices = std::move(stack.slices);
     times = stack.frames;
   } else if (grid.spacing.z < 0) {  // the frames go against the normal

@@ -50,18 +50,24 @@ bool alike(const DicomPlanes& a, const DicomPlanes& b) {
 
 using Images = std::vector<std::size_t>;
 
+/// What is to be said of the planes, beside themselves.
+struct Placing {
+  const std::string& where;
+  const std::function<std::string(std::size_t)>& name_of;
+};
+
 /// The images at each place, places in ascending order along the normal, images in that of their times.
-std::vector<Images> images_by_place(const std::vector<DicomPlane>& planes, const DicomPlacing& placing) {
+std::vector<Images> images_by_place(const std::vector<DicomPlane>& planes, const Grid& grid) {
+  const auto normal = glm::normalize(glm::cross(grid.direction[0], grid.direction[1]));
   std::vector<double> heights;
-  for (const auto& plane : planes) heights.push_back(glm::dot(placing.normal, plane.position));
+  for (const auto& plane : planes) heights.push_back(glm::dot(normal, plane.position));
   Images order(planes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return heights[a] < heights[b]; });
-  constexpr double same_place = 0.01;  // of a pixel; no slices are so near
+  const double same_place = 0.01 * std::min(grid.spacing.x, grid.spacing.y);  // no slices are so near
   std::vector<Images> places;
   for (const auto image : order) {
-    const bool same =
-        !places.empty() && heights[image] - heights[places.back().front()] <= same_place * placing.pixel;
+    const bool same = !places.empty() && heights[image] - heights[places.back().front()] <= same_place;
     if (!same) places.emplace_back();
     places.back().push_back(image);
   }
@@ -70,7 +76,7 @@ std::vector<Images> images_by_place(const std::vector<DicomPlane>& planes, const
   return places;
 }
 
-void require_even_counts(const std::vector<Images>& places, const DicomPlacing& placing) {
+void require_even_counts(const std::vector<Images>& places, const Placing& placing) {
   const auto [least, most] =
       std::ranges::minmax_element(places, {}, [](const Images& images) { return images.size(); });
   if (places.size() == 1 && most->size() > 1)
@@ -111,7 +117,7 @@ std::optional<Lattice> lattice_through(const std::vector<glm::dvec3>& positions,
 }
 
 /// The lattice by the median of the distances, or by the least where most slices are missing.
-Lattice even_lattice(const std::vector<glm::dvec3>& positions, const DicomPlacing& placing) {
+Lattice even_lattice(const std::vector<glm::dvec3>& positions, const Placing& placing) {
   constexpr double accepted = 0.01, accepted_mm = 0.01, warned = 0.05, warned_mm = 0.05, most_warned = 0.25;
   std::vector<double> distances;
   for (std::size_t i = 1; i < positions.size(); ++i)
@@ -151,7 +157,7 @@ std::vector<DicomSlice> slices_of(const Images& images, const Lattice& lattice) 
   return slices;
 }
 
-void warn_of_missing(const Images& images, const Lattice& lattice, const DicomPlacing& placing) {
+void warn_of_missing(const Images& images, const Lattice& lattice, const Placing& placing) {
   if (lattice.missing() == 0) return;
   constexpr std::size_t most = 5;
   std::vector<std::string> gaps;
@@ -200,28 +206,32 @@ std::optional<DicomPlanes> dicom_planes(const DicomFile& file, int frames) {
   return planes;
 }
 
-DicomStack stack_planes(const std::vector<DicomPlane>& planes, const DicomPlacing& placing) {
-  const auto places = images_by_place(planes, placing);
+DicomStack stack_planes(const std::vector<DicomPlane>& planes, const std::optional<int>& frame,
+                        const std::string& where, const std::function<std::string(std::size_t)>& name_of,
+                        Grid& grid) {
+  const Placing placing{where, name_of};
+  const auto places = images_by_place(planes, grid);
   require_even_counts(places, placing);
   DicomStack stack;
   stack.frames = int(places.front().size());
-  const auto frame =
-      std::size_t(chosen_frame({.frame = placing.frame}, stack.frames, placing.where, "time points"));
+  const auto chosen = std::size_t(chosen_frame({.frame = frame}, stack.frames, where, "time points"));
   Images images;
   std::vector<glm::dvec3> positions;
   for (const auto& place : places) {
-    images.push_back(place[frame]);
-    positions.push_back(planes[place[frame]].position);
+    images.push_back(place[chosen]);
+    positions.push_back(planes[place[chosen]].position);
   }
-  stack.origin = positions.front();
-  if (images.size() == 1) {
-    stack.slices = {{.image = images[0], .next = images[0]}};
-    return stack;
+  Lattice lattice{.places = {0}};
+  if (images.size() > 1) {
+    lattice = even_lattice(positions, placing);
+    warn_of_missing(images, lattice, placing);
+    grid.spacing.z = glm::length(lattice.step);
+    grid.direction[2] = lattice.step / grid.spacing.z;
   }
-  const auto lattice = even_lattice(positions, placing);
-  warn_of_missing(images, lattice, placing);
-  stack.step = lattice.step;
   stack.slices = slices_of(images, lattice);
+  grid.dims.z = int(stack.slices.size());
+  grid.origin = positions.front();
+  check_lattice(grid, where);
   return stack;
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "decode/dicom/elements.hpp"
+#include "ringsplat/volume/grid.hpp"
 
 namespace ringsplat::detail {
 
@@ -45,17 +46,6 @@ struct DicomSlice {
 struct DicomStack {
   int frames = 1;  ///< time points there are
   std::vector<DicomSlice> slices;
-  glm::dvec3 origin{0};  ///< position of the first slice
-  glm::dvec3 step{0};    ///< from slice to slice; 0 when there is only one
-};
-
-/// What stack_planes() needs to know and to say beside the planes.
-struct DicomPlacing {
-  glm::dvec3 normal{0, 0, 1};                       ///< of the planes, unit length
-  double pixel = 1;                                 ///< the smaller distance of pixels, in mm
-  std::optional<int> frame = {};                    ///< the time point, from 0
-  std::string where;                                ///< the file or the folder, for messages
-  std::function<std::string(std::size_t)> name_of;  ///< of an image, for messages
 };
 
 /// Puts the planes of one series into their order in space; several at one place are time points, in the
@@ -64,6 +54,12 @@ struct DicomPlacing {
 /// Positions may be off an even lattice by 1 % of its step or 0.01 mm, with a warning by 5 % or, as much as
 /// positions written in tenths, 0.05 mm. Throws InputError when they are more, when more than a third of the
 /// slices is missing, when places hold different numbers of images, and when there is no such time point.
-DicomStack stack_planes(const std::vector<DicomPlane>& planes, const DicomPlacing& placing);
+///
+/// `grid`: of an image, becomes that of the stack. The third axis comes from the slices' positions: a tilted
+/// gantry shears the lattice. `frame`: the time point, from 0. `where`: the file or the folder, and
+/// `name_of`: of an image, for messages.
+DicomStack stack_planes(const std::vector<DicomPlane>& planes, const std::optional<int>& frame,
+                        const std::string& where, const std::function<std::string(std::size_t)>& name_of,
+                        Grid& grid);
 
 }  // namespace ringsplat::detail

@@ -13,11 +13,6 @@ namespace {
 constexpr hssize_t most_values = 64;
 constexpr std::size_t longest_text = 4096;
 
-herr_t keep_first(unsigned, const H5E_error2_t* error, void* reason) {
-  if (error->desc != nullptr) *static_cast<std::string*>(reason) = error->desc;
-  return 1;  // ends the walk
-}
-
 struct Attribute {
   Id id, type, space;
   hssize_t values = 0;
@@ -59,6 +54,10 @@ std::vector<std::string> variable_texts(const Attribute& from) {
 
 std::string innermost_reason() {
   std::string reason;
+  const auto keep_first = [](unsigned, const H5E_error2_t* error, void* kept) -> herr_t {
+    if (error->desc != nullptr) *static_cast<std::string*>(kept) = error->desc;
+    return 1;  // ends the walk
+  };
   H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, keep_first, &reason);
   constexpr std::size_t longest = 200;
   return excerpt(reason, longest);

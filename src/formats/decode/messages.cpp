@@ -2,8 +2,8 @@
 
 #include <sys/socket.h>
 
-#include <array>
 #include <cerrno>
+#include <span>
 
 namespace ringsplat::detail {
 namespace {
@@ -23,17 +23,15 @@ bool pass_all(ssize_t (*call)(int, Buffer*, std::size_t, int), int socket, std::
 }  // namespace
 
 bool send_message(int socket, Bytes message) {
-  Bytes length;
-  append(length, std::uint64_t(message.size()));
-  return pass_all(::send, socket, length) && pass_all(::send, socket, message);
+  std::uint64_t bytes = message.size();
+  return pass_all(::send, socket, std::as_writable_bytes(std::span(&bytes, 1))) &&
+         pass_all(::send, socket, message);
 }
 
 std::optional<Bytes> receive_message(int socket) {
-  std::array<std::byte, sizeof(std::uint64_t)> length{};
   std::uint64_t bytes = 0;
-  std::size_t at = 0;
   constexpr std::uint64_t most = std::uint64_t{1} << 30;  // facts of all files that a folder may have
-  if (!pass_all(::recv, socket, length) || !take(length, at, bytes) || bytes > most) return {};
+  if (!pass_all(::recv, socket, std::as_writable_bytes(std::span(&bytes, 1))) || bytes > most) return {};
   Bytes message(static_cast<std::size_t>(bytes));
   if (!pass_all(::recv, socket, message)) return {};
   return message;

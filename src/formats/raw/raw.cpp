@@ -31,32 +31,33 @@ std::string hint_for(const std::filesystem::path& path) {
 }
 
 /// Part of the numbers other than 0 that have a size in which something is measured.
-template <class T>
-double usual_part(std::vector<std::byte> bytes, bool big_endian) {
-  to_native_order(bytes, sizeof(T), big_endian);
+double usual_part(ScalarType type, std::vector<std::byte> bytes, bool big_endian) {
+  to_native_order(bytes, size_of(type), big_endian);
   constexpr double least = 1e-12, most = 1e12;
   std::size_t usual = 0, all = 0;
-  for (const T number : typed<T>(bytes)) {
-    const double size = std::abs(double(number));
-    if (size >= least && size <= most) ++usual;
-    if (size != 0) ++all;
-  }
+  for_values(type, bytes, [&](auto numbers) {
+    for (const auto number : numbers) {
+      const double size = std::abs(double(number));
+      if (size >= least && size <= most) ++usual;
+      if (size != 0) ++all;
+    }
+  });
   return all == 0 ? 1 : double(usual) / double(all);
 }
 
 /// Floats in the wrong order have any exponent.
-template <class T>
 void warn_of_byte_order(const InputFile& file, const StoredVoxels& voxels, std::uint64_t bytes) {
   constexpr std::uint64_t runs = 64, run_bytes = 512;
+  const auto size = size_of(voxels.type);
   std::vector<std::byte> some;
   for (std::uint64_t k = 0; k < runs; ++k) {
-    const auto at = bytes / sizeof(T) * k / runs * sizeof(T), had = some.size();
+    const auto at = bytes / size * k / runs * size, had = some.size();
     some.resize(had + std::min<std::uint64_t>(run_bytes, bytes - at));
     some.resize(had + file.read_some(voxels.offset + at, std::span(some).subspan(had)));
   }
   constexpr double few = 0.6, nearly_all = 0.98;
-  if (usual_part<T>(some, voxels.big_endian) > few) return;
-  if (usual_part<T>(some, !voxels.big_endian) < nearly_all) return;
+  if (usual_part(voxels.type, some, voxels.big_endian) > few) return;
+  if (usual_part(voxels.type, some, !voxels.big_endian) < nearly_all) return;
   log_warning_once("{}: its numbers make sense only in the other byte order: give --endian {}",
                    file.path().string(), voxels.big_endian ? "little" : "big");
 }
@@ -100,8 +101,8 @@ std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const 
            grid.dims.z, to_string(grid.type), grid.bytes(), offset, actual > offset ? actual - offset : 0);
   const StoredVoxels voxels{
       .file = path, .offset = offset, .big_endian = raw.big_endian.value_or(false), .type = grid.type};
-  if (grid.type == ScalarType::float32) warn_of_byte_order<float>(InputFile(path), voxels, grid.bytes());
-  if (grid.type == ScalarType::float64) warn_of_byte_order<double>(InputFile(path), voxels, grid.bytes());
+  if (grid.type == ScalarType::float32 || grid.type == ScalarType::float64)
+    warn_of_byte_order(InputFile(path), voxels, grid.bytes());
   return stored_source(grid, {voxels});
 }
 
