@@ -99,16 +99,16 @@ std::vector<DrawnChannel> find_channels(VolumeOptions volume, const std::string&
   return channels;
 }
 
-MadeFunction make_function(DrawnChannel& channel, const RenderOptions& options,
-                           const ValueStatistics& values) {
+MadeFunction make_function(DrawnChannel& channel, const RenderOptions& options, const ValueStatistics& values,
+                           Shown& shown) {
   ColourOptions colour = options.colour;
   colour.tint = channel.colour;
   // Means and integrals of values are others than the values that the window is for.
   const bool of_values = colour.mode != Mode::mean && colour.mode != Mode::sum;
   if (!colour.range && channel.window && of_values) colour.range = {channel.window->x, channel.window->y};
-  MadeFunction made = TransferFunctionChoice(options.transfer_function, colour).make(values);
-  channel.function = made.function;
-  const auto& ends = made.function.colours;
+  MadeFunction made = TransferFunctionChoice(options.transfer_function, colour).make(values, shown);
+  channel.function = shown.transfer_function;
+  const auto& ends = channel.function.colours;
   const glm::ivec3 rgb(255.0 * channel.colour + 0.5);
   made.said =
       fmt::format("{} ({}): #{:02x}{:02x}{:02x}, values from {:.4g} to {:.4g}", channel.name, channel.choice,

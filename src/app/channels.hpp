@@ -27,7 +27,7 @@ std::vector<DrawnChannel> find_channels(VolumeOptions volume, const std::string&
 
 /// Makes the channel's function of what --tf and others say, in its colour, and over the file's window unless
 /// there is another. As TransferFunctionChoice::make().
-MadeFunction make_function(DrawnChannel& channel, const RenderOptions& options,
-                           const ValueStatistics& values);
+MadeFunction make_function(DrawnChannel& channel, const RenderOptions& options, const ValueStatistics& values,
+                           Shown& shown);
 
 }  // namespace ringsplat::app

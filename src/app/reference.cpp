@@ -51,8 +51,7 @@ ExitCode run(const ReferenceOptions& o) {
   WholeVolume volume = read_whole(*source);
   FrameSpec spec = picture.frame;
   spec.shown.clip = clip_box(o.picture.clip, source->grid());
-  const MadeFunction made = choice.make(volume.statistics);
-  made.set(spec.shown);
+  const MadeFunction made = choice.make(volume.statistics, spec.shown);
   spec.shown.tints = tints_of(o.picture.volume.mask, volume.labels);
   check(spec);
   if (!o.picture.transfer_function_out.empty())

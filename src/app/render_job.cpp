@@ -212,17 +212,17 @@ Scene reload(Job& job, Progress& progress, Launch& launch) {
 
 FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launch, std::size_t channel) {
   const RenderOptions& o = job.options;
-  MadeFunction made;
+  FrameSpec frame = o.frame;
   launch.check_on_rank_0([&] {
-    made = job.channels.empty() ? job.transfer_function->make(scene.values)
-                                : make_function(job.channels[channel], o, scene.values);
-    check(made.function, o.transfer_function);
+    const MadeFunction made = job.channels.empty()
+                                  ? job.transfer_function->make(scene.values, frame.shown)
+                                  : make_function(job.channels[channel], o, scene.values, frame.shown);
+    const TransferFunction& function = frame.shown.transfer_function;
+    check(function, o.transfer_function);
     if (!o.transfer_function_out.empty())
-      write_text_output(o.transfer_function_out, to_paraview_json(made.function));
+      write_text_output(o.transfer_function_out, to_paraview_json(function));
     if (!made.said.empty() && !simulated()) progress.print(made.said);
   });
-  FrameSpec frame = o.frame;
-  made.set(frame.shown);
   if (launch.rank() == 0) frame.shown.tints = tints_of(o.volume.mask, scene.labels);
   if (o.budget.max_error && keep_budget(job, scene, frame, progress, launch))
     scene = reload(job, progress, launch);

@@ -73,13 +73,14 @@ void add_channels(const Job& job, const Scene& scene, serve::ViewerOptions& v) {
     const ValueStatistics& values = k == 0 ? scene.values : scene.others[k - 1].values;
     DrawnChannel channel = job.channels[k];
     RenderOptions options = job.options;
-    if (k > 0) fmt::print(stderr, "{}\n", make_function(channel, options, values).said);
+    Shown ignored;
+    if (k > 0) fmt::print(stderr, "{}\n", make_function(channel, options, values, ignored).said);
     channel.colour = glm::dvec3(1.0);
     serve::ShownChannel& shown = v.channels.emplace_back();
     shown.name = channel.name;
     for (const Mode mode : every_mode) {
       options.colour.mode = mode;
-      make_function(channel, options, values).set(shown.own[mode]);
+      make_function(channel, options, values, shown.own[mode]);
     }
     v.initial.channels.push_back({true, job.channels[k].colour, shown.window(v.initial.shown.mode)});
   }
@@ -92,7 +93,7 @@ std::vector<ValueRange> ranges_of(const Scene& scene) {
 }
 
 serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const Scene& scene,
-                                    MadeFunction made, const Launch& launch) {
+                                    const MadeFunction& made, const Shown& first, const Launch& launch) {
   const RenderOptions& o = job.options;
   serve::ViewerOptions v;
   v.layout =
@@ -110,10 +111,9 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.frames.clear();
   for (const SeriesEntry& volume : job.series) v.frames.push_back(volume.name);
   v.frame = o.frame;
-  v.initial.shown = o.frame.shown;
+  v.initial.shown = first;
   if (o.more_volumes.size() == 1) v.initial.compared = 1;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
-  made.set(v.initial.shown);
   v.initial.shown.tints = tints_of(o.volume.mask, scene.labels);
   v.segments = labels_of(scene.labels, notes_of(o.volume.mask));
   serve::set_modes(usual.function, scene.values, v);
@@ -314,27 +314,29 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   if (!options.picture.more_volumes.empty()) loader.check_all();
   Scene scene;
   MadeFunction made;
+  Shown first;
   const auto load_first = [&](const std::optional<Reduction>& coarse) {
     scene = {};
     job.load.half_of = coarse ? std::optional(job.volume.grid) : std::nullopt;
     job.load.prefilter = coarse.value_or(job.options.frame.shown.reduction).prefilter;
     loader.load_channels(scene, 0);
     if (coarse && scene.values.range.empty()) return false;
+    first = job.options.frame.shown;
     launch.check_on_rank_0([&] {
-      made = job.channels.empty() ? job.transfer_function->make(scene.values)
-                                  : make_function(job.channels.front(), job.options, scene.values);
+      made = job.channels.empty() ? job.transfer_function->make(scene.values, first)
+                                  : make_function(job.channels.front(), job.options, scene.values, first);
     });
     return true;
   };
   if (!load_first(begun)) load_first({});
-  if (job.channels.empty() && launch.of_rank_0(made.interpolation == Interpolation::nearest) &&
+  if (job.channels.empty() && launch.of_rank_0(first.interpolation == Interpolation::nearest) &&
       job.load.factors.size() > 1) {
     // A mean of labels is another label, and coarse data may lack some.
     job.options.frame.shown.reduction.prefilter = false;
     load_first({});
   }
   launch.check_on_rank_0([&] {
-    viewer = serve::make_viewer(viewer_options(options, job, scene, std::move(made), launch));
+    viewer = serve::make_viewer(viewer_options(options, job, scene, made, first, launch));
     if (job.load.half_of) viewer->loaded({{0}, ranges_of(scene), Reduction{2, job.load.prefilter}});
     if (options.address != "127.0.0.1" && options.address != "::1")
       log_warning(

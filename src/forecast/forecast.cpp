@@ -64,7 +64,9 @@ TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice
   const Pass pass = [&](const RowVisitor& visit) {
     for (const Section& section : sections) visit(section, grid.dims.x);
   };
-  return choice.make(describe_values(grid, source.notes(), pass)).function;
+  Shown shown;
+  choice.make(describe_values(grid, source.notes(), pass), shown);
+  return shown.transfer_function;
 }
 
 std::vector<Camera> some_views(const std::vector<Camera>& cameras) {

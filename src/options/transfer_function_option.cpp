@@ -88,7 +88,7 @@ AutoChoice TransferFunctionChoice::base(const ValueStatistics& values) const {
   return made;
 }
 
-MadeFunction TransferFunctionChoice::make(const ValueStatistics& values) const {
+MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, Shown& shown) const {
   check_values(values, "check the file's --type and --endian");
   if (colour_.log && colour_.range && !(colour_.range->low > 0))
     throw InputError(fmt::format("--log cannot show values from {:g}, as only positive ones have a logarithm",
@@ -107,27 +107,18 @@ MadeFunction TransferFunctionChoice::make(const ValueStatistics& values) const {
   if (ramp_)
     said = fmt::format("--tf {}: the file has no opacities, so a ramp from clear at {:g} to opaque at {:g}",
                        tf.name, plain(made.range.low), plain(made.range.high));
-  double isovalue = 0;
+  shown.isovalue = 0;
   if (colour_.mode == Mode::surface) {
-    isovalue = colour_.isovalue ? *colour_.isovalue : parting_value(values);
-    if (!colour_.isovalue) said = fmt::format("--isovalue: {:.6g} parts the volume's values best", isovalue);
+    shown.isovalue = colour_.isovalue ? *colour_.isovalue : parting_value(values);
+    if (!colour_.isovalue)
+      said = fmt::format("--isovalue: {:.6g} parts the volume's values best", shown.isovalue);
   }
+  shown.transfer_function = std::move(made.function);
   const Interpolation usual = made.labels ? Interpolation::nearest : Interpolation::linear;
-  return {std::move(made.function),
-          said,
-          made.labels,
-          colour_.interpolation.value_or(usual),
-          colour_.mode,
-          isovalue,
-          colour_.values};
-}
-
-void MadeFunction::set(Shown& shown) const {
-  shown.transfer_function = function;
-  shown.interpolation = interpolation;
-  shown.mode = mode;
-  shown.isovalue = isovalue;
-  shown.values = values;
+  shown.interpolation = colour_.interpolation.value_or(usual);
+  shown.mode = colour_.mode;
+  shown.values = colour_.values;
+  return {said, made.labels};
 }
 
 std::string list_of_colour_maps() {

@@ -10,17 +10,10 @@
 
 namespace ringsplat::app {
 
-/// A transfer function, and what people are told of it.
+/// What people are told of a transfer function.
 struct MadeFunction {
-  TransferFunction function;
   std::string said;  ///< what "auto" has chosen and why, in one line; empty when nothing was chosen
   bool labels = false;
-  Interpolation interpolation = Interpolation::linear;
-  Mode mode = Mode::composite;
-  double isovalue = 0;
-  bool values = false;
-
-  void set(Shown& shown) const;
 };
 
 /// The choice of --tf: a preset, fitted to the volume's values, or a file; changed as the colour options say.
@@ -29,9 +22,10 @@ class TransferFunctionChoice {
   /// Reads a file immediately. Throws InputError when `text` is neither a preset nor a readable transfer
   /// function, or when there is no such colour map.
   explicit TransferFunctionChoice(const std::string& text, const ColourOptions& colour = {});
-  /// Throws InputError when the values do not allow what is asked: no finite one, no positive one for
-  /// --log, no whole numbers for --labels.
-  MadeFunction make(const ValueStatistics& values) const;
+  /// Sets what is shown: the function, and what the colour options say of it. Throws InputError when the
+  /// values do not allow what is asked: no finite one, no positive one for --log, no whole numbers for
+  /// --labels.
+  MadeFunction make(const ValueStatistics& values, Shown& shown) const;
 
  private:
   AutoChoice base(const ValueStatistics& values) const;

@@ -125,10 +125,10 @@ BlockSession::Request BlockSession::request(const std::vector<std::string>& word
   tell(app::complete_view(o, grid, committed_notes_));
   if (o.annotate) made.annotation.emplace(grid, committed_notes_, o.background, o.colour.range);
   const auto cameras = app::views_of(o);
-  const app::MadeFunction function = app::TransferFunctionChoice(o.transfer_function, o.colour).make(values);
-  check(function.function, o.transfer_function);
-  tell(function.said);
-  function.set(o.frame.shown);
+  const app::TransferFunctionChoice choice(o.transfer_function, o.colour);
+  const std::string said = choice.make(values, o.frame.shown).said;
+  check(o.frame.shown.transfer_function, o.transfer_function);
+  tell(said);
   made.frames = frames_of(o.frame, cameras);
   return made;
 }

@@ -197,12 +197,14 @@ TEST_CASE("a fill value that the file names is clear in every transfer function"
   values.notes.fill = 1e20;
   values.fill_voxels = 7;
   for (const char* name : {"auto", "grey", "ct-bone"}) {
-    const TransferFunction tf = app::TransferFunctionChoice(name).make(values).function;
-    CHECK(tf.evaluate(1e20).opacity == 0);
-    CHECK(tf.evaluate(1000).opacity > 0.1);
+    Shown shown;
+    app::TransferFunctionChoice(name).make(values, shown);
+    CHECK(shown.transfer_function.evaluate(1e20).opacity == 0);
+    CHECK(shown.transfer_function.evaluate(1000).opacity > 0.1);
   }
   values.notes.fill = 500;
-  const TransferFunction tf = app::TransferFunctionChoice("grey").make(values).function;
-  CHECK(tf.evaluate(500).opacity == 0);
-  CHECK(tf.evaluate(500.001).opacity > 0.1);
+  Shown shown;
+  app::TransferFunctionChoice("grey").make(values, shown);
+  CHECK(shown.transfer_function.evaluate(500).opacity == 0);
+  CHECK(shown.transfer_function.evaluate(500.001).opacity > 0.1);
 }
