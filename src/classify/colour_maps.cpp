@@ -118,12 +118,9 @@ ColourMap made(const Table& table) {
 
 }  // namespace
 
-const std::vector<PresetName>& colour_map_names() {
-  static const std::vector<PresetName> names = [] {
-    std::vector<PresetName> all;
-    for (const Table& table : tables()) all.push_back(table.name);
-    return all;
-  }();
+std::vector<PresetName> colour_map_names() {
+  std::vector<PresetName> names;
+  for (const Table& table : tables()) names.push_back(table.name);
   return names;
 }
 

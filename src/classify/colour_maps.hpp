@@ -14,7 +14,7 @@ struct ColourMap {
 };
 
 /// Perceptual ones first.
-const std::vector<PresetName>& colour_map_names();
+std::vector<PresetName> colour_map_names();
 
 /// Upper and lower case, blanks and hyphens are the same. Throws InputError listing the names for an unknown
 /// one.

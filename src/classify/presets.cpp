@@ -86,15 +86,12 @@ constexpr const char* automatic = "auto";
 
 }  // namespace
 
-const std::vector<PresetName>& preset_names() {
-  static const std::vector<PresetName> names = [] {
-    std::vector<PresetName> all;
-    for (const auto& table : tables()) all.push_back(table.name);
-    all.push_back({automatic,
+std::vector<PresetName> preset_names() {
+  std::vector<PresetName> names;
+  for (const auto& table : tables()) names.push_back(table.name);
+  names.push_back({automatic,
                    "chosen by the values: CT, labels, both signs, many decades; else background clear, rare "
                    "values dense"});
-    return all;
-  }();
   return names;
 }
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <glm/vector_relational.hpp>
 #include <iterator>
 #include <map>
 
@@ -46,19 +45,15 @@ FileStamp stamp_at(const std::filesystem::path& file) {
   return stamp_of(status);
 }
 
-bool overlap(const VolumePiece& a, const VolumePiece& b) {
-  return glm::all(glm::lessThan(a.first, b.end)) && glm::all(glm::lessThan(b.first, a.end));
-}
-
 /// `pieces`: sorted along z.
 void require_full(const Grid& grid, const std::vector<VolumePiece>& pieces, const std::string& where) {
   if (pieces.size() > most_pieces) refuse(where, "write fewer of them", "it has {} pieces", pieces.size());
   std::int64_t held = 0;
   for (auto piece = pieces.begin(); piece != pieces.end(); ++piece) {
-    const auto size = piece->end - piece->first;
+    const auto size = piece->box.dims();
     held += std::int64_t{size.x} * size.y * size.z;
-    for (auto other = piece + 1; other != pieces.end() && other->first.z < piece->end.z; ++other)
-      if (overlap(*piece, *other))
+    for (auto other = piece + 1; other != pieces.end() && other->box.first.z < piece->box.end.z; ++other)
+      if (meet(piece->box, other->box))
         refuse(where, piece_hint, "the pieces {} and {} overlap", piece->file.string(), other->file.string());
   }
   if (held != grid.voxels())
@@ -75,18 +70,19 @@ class PiecedSource final : public LayeredSource {
   void read_layer(int z, int, std::span<std::byte> out) override {
     const auto size = size_of(grid().type), row = std::size_t(grid().dims.x) * size;
     for (const auto& piece : pieces_) {
-      if (z < piece.first.z || z >= piece.end.z) continue;
+      const auto& [first, end] = piece.box;
+      if (z < first.z || z >= end.z) continue;
       require_unchanged(piece.file);
       auto& source = opened(piece);
       slice_.resize(source.grid().slice_bytes(Axis::z));
       source.read_slices(z - piece.from.z, 1, slice_);
       require_unchanged(piece.file);
-      const auto within = piece.first - piece.from;
+      const auto within = first - piece.from;
       const auto width = std::size_t(source.grid().dims.x) * size;
-      for (int y = piece.first.y; y < piece.end.y; ++y)
-        std::memcpy(out.data() + std::size_t(y) * row + std::size_t(piece.first.x) * size,
+      for (int y = first.y; y < end.y; ++y)
+        std::memcpy(out.data() + std::size_t(y) * row + std::size_t(first.x) * size,
                     slice_.data() + std::size_t(y - piece.from.y) * width + std::size_t(within.x) * size,
-                    std::size_t(piece.end.x - piece.first.x) * size);
+                    std::size_t(end.x - first.x) * size);
     }
   }
 
@@ -185,7 +181,7 @@ void LayeredSource::set_layer(std::uint64_t slices) {
 
 std::unique_ptr<VolumeSource> pieced_source(const Grid& grid, std::vector<VolumePiece> pieces,
                                             const std::string& where) {
-  std::ranges::stable_sort(pieces, {}, [](const VolumePiece& piece) { return piece.first.z; });
+  std::ranges::stable_sort(pieces, {}, [](const VolumePiece& piece) { return piece.box.first.z; });
   require_full(grid, pieces, where);
   bool concurrent = true;
   for (const auto& piece : pieces) {

@@ -11,6 +11,7 @@
 #include "base/input_file.hpp"
 #include "ringsplat/base/fact.hpp"
 #include "ringsplat/volume/source.hpp"
+#include "ringsplat/volume/voxel_box.hpp"
 
 namespace ringsplat::detail {
 
@@ -88,8 +89,8 @@ inline constexpr std::size_t most_pieces = 1 << 16;  ///< each is compared with 
 /// A box of a volume's voxels, which a source of its own holds, and maybe others around them.
 struct VolumePiece {
   std::filesystem::path file;
-  glm::ivec3 first{0}, end{0};  ///< of the box, which lies in the volume and is not empty
-  glm::ivec3 from{0};           ///< where the source's first voxel lies there
+  VoxelBox box = {};                                         ///< which lies in the volume and is not empty
+  glm::ivec3 from{0};                                        ///< where the source's first voxel lies there
   std::function<std::unique_ptr<VolumeSource>()> open = {};  ///< of the volume's type, spacing and origin
 };
 

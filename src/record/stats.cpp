@@ -49,20 +49,10 @@ json to_json(const NodeStats& stats) {
   return j;
 }
 
-json node_json(NodeId node, const Layout& layout, const NodeStats& stats) {
-  json j = to_json(stats);
-  j["node"] = to_string(node);
-  j["rank"] = layout.rank_of(node);
-  return j;
-}
-
-json to_json(const LinkCounts& link) {
-  return {{"messages", link.messages},           {"bytes", link.bytes},   {"payloads", link.payloads},
-          {"payload_bytes", link.payload_bytes}, {"shared", link.shared}, {"waited", link.waited},
-          {"wait_seconds", link.wait_seconds}};
-}
-
 }  // namespace
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LinkCounts, messages, bytes, payloads, payload_bytes, shared, waited,
+                                   wait_seconds)
 
 NodeStats& NodeStats::operator+=(const NodeStats& other) {
   for (const auto part : node_seconds) this->*part += other.*part;
@@ -115,18 +105,21 @@ std::string to_json_text(const FrameStats& stats, const Layout& layout, const st
   if (layout.routed()) {
     j["links"] = json::array();
     for (const LinkCounts& link : stats.links) {
-      json& one = j["links"].emplace_back(to_json(link));
+      json& one = j["links"].emplace_back(link);
       one["link"] = name(layout, link.link);
       one["from"] = link.link.from;
       one["to"] = neighbour(layout, link.link.from, link.link.direction).value();
     }
-    j["links_total"] = to_json(total(stats.links));
+    j["links_total"] = total(stats.links);
   }
   j["nodes"] = json::array();
-  for (std::size_t g = 0; g < stats.gps.size(); ++g)
-    j["nodes"].push_back(node_json({Role::gp, int(g)}, layout, stats.gps[g]));
-  for (std::size_t r = 0; r < stats.renderers.size(); ++r)
-    j["nodes"].push_back(node_json({Role::renderer, int(r)}, layout, stats.renderers[r]));
+  for (const auto& [role, nodes] : {std::pair(Role::gp, &stats.gps), {Role::renderer, &stats.renderers}})
+    for (std::size_t k = 0; k < nodes->size(); ++k) {
+      const NodeId node{role, int(k)};
+      json& one = j["nodes"].emplace_back(to_json((*nodes)[k]));
+      one["node"] = to_string(node);
+      one["rank"] = layout.rank_of(node);
+    }
   return j.dump();
 }
 

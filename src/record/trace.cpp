@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 
 #include "base/archive.hpp"
 #include "base/clock.hpp"
@@ -72,8 +74,7 @@ void NodeTrace::mark(Moment moment, std::int64_t frame, std::int32_t step, std::
     record_.full = true;
 }
 
-ClockOffset estimate_offset(const std::vector<GatherTimes>& mine,
-                            const std::vector<GatherTimes>& of_process_0) {
+ClockOffset estimate_offset(std::span<const GatherTimes> mine, std::span<const GatherTimes> of_process_0) {
   double low = -1e300, high = 1e300;
   for (std::size_t k = 0; k < mine.size(); ++k) {
     // I entered before process 0 left, and process 0 entered before I left.
@@ -84,8 +85,7 @@ ClockOffset estimate_offset(const std::vector<GatherTimes>& mine,
 }
 
 void Trace::compare_clocks(Collectives& collectives) {
-  constexpr int rounds = 16;
-  std::vector<GatherTimes> mine(rounds);
+  std::array<GatherTimes, 16> mine, times_of_0;
   for (auto& round : mine) {
     round.entered = now_seconds();
     collectives.all_gather(Block(1));
@@ -93,13 +93,8 @@ void Trace::compare_clocks(Collectives& collectives) {
   }
   const std::string clock = clock_identity();
   const Block of_0 = collectives.broadcast(to_bytes(mine, clock), 0);
-  std::vector<GatherTimes> times_of_0;
   std::string clock_of_0;
-  FromBytes archive(of_0);
-  archive(times_of_0, clock_of_0);
-  if (!archive.ok() || times_of_0.size() != mine.size())
-    throw RunError("process 0 sent something else than its clock's times",
-                   "all ranks must run the same build");
+  read_block(of_0, "its clock's times", times_of_0, clock_of_0);
   const bool common = collectives.process() == 0 || (!clock.empty() && clock == clock_of_0);
   compared_.push_back(common ? ClockOffset{.at = mine.back().left} : estimate_offset(mine, times_of_0));
 }
@@ -113,31 +108,26 @@ double Trace::in_clock_of_0(double time) const {
 }
 
 Trace::Gathered Trace::gather(Collectives& collectives) const {
-  ToBytes mine;
-  mine(compared_.empty() ? ClockOffset{} : compared_.back());
+  std::vector<NodeRecord> mine;
   for (const auto& [key, node] : nodes_) {
-    NodeRecord record = node.record();
+    NodeRecord& record = mine.emplace_back(node.record());
     for (Span& span : record.spans) {
       span.begin = in_clock_of_0(span.begin);
       span.end = in_clock_of_0(span.end);
     }
     for (Mark& mark : record.marks) mark.time = in_clock_of_0(mark.time);
-    mine(record);
   }
-  const std::vector<Block> in = to_process_0(collectives, std::move(mine.bytes));
+  const ClockOffset offset = compared_.empty() ? ClockOffset{} : compared_.back();
+  const std::vector<Block> in = to_process_0(collectives, to_bytes(offset, mine));
   Gathered all;
-  if (collectives.process() != 0) return all;
   for (std::size_t p = 0; p < in.size(); ++p) {
+    std::vector<NodeRecord> nodes;
     FromBytes archive(in[p]);
-    archive(all.offsets.emplace_back());
-    bool sound = archive.ok();
-    while (sound && !archive.at_end()) {
-      archive(all.nodes.emplace_back());
-      sound = archive.ok() && is_sound(all.nodes.back());
-    }
-    if (!sound)
+    archive(all.offsets.emplace_back(), nodes);
+    if (!archive.ok() || !archive.at_end() || !std::ranges::all_of(nodes, is_sound))
       throw RunError(fmt::format("rank {} sent a broken record of what it did", p),
                      "all ranks must run the same build");
+    std::ranges::move(nodes, std::back_inserter(all.nodes));
   }
   return all;
 }

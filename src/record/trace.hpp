@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -72,8 +73,7 @@ struct ClockOffset {
 struct GatherTimes {
   double entered = 0, left = 0;
 };
-ClockOffset estimate_offset(const std::vector<GatherTimes>& mine,
-                            const std::vector<GatherTimes>& of_process_0);
+ClockOffset estimate_offset(std::span<const GatherTimes> mine, std::span<const GatherTimes> of_process_0);
 
 /// The records of all nodes of a process; gathers them on process 0.
 class Trace {

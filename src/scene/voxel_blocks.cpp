@@ -30,10 +30,6 @@ bool covers(const VoxelBox& outer, const VoxelBox& inner) {
          glm::all(glm::greaterThanEqual(outer.end, inner.end));
 }
 
-bool meet(const VoxelBox& a, const VoxelBox& b) {
-  return glm::all(glm::lessThan(a.first, b.end)) && glm::all(glm::lessThan(b.first, a.end));
-}
-
 struct Cut {
   int axis = -1, at = 0;
 };

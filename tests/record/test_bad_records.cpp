@@ -14,6 +14,7 @@ TEST_CASE("records of what a rank did are refused when no rank can have done it"
     append(sent, 0.0);
     append(sent, 0.0);
     append(sent, true);
+    append(sent, std::uint64_t{1});  // records
     append(sent, NodeId{fault == 1 ? Role(9) : Role::gp, 0});
     append(sent, false);
     append(sent, std::uint64_t{1});

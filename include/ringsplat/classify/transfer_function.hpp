@@ -61,7 +61,7 @@ std::string to_paraview_json(const TransferFunction& tf);
 struct PresetName {
   std::string name, description;
 };
-const std::vector<PresetName>& preset_names();
+std::vector<PresetName> preset_names();
 /// `histogram` spans the volume's range. Throws InputError listing the names for an unknown one.
 TransferFunction preset(const std::string& name, const Histogram& histogram);
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <glm/vec3.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "ringsplat/volume/grid.hpp"
 
@@ -14,6 +15,11 @@ struct VoxelBox {
 
 /// All of a volume's voxels.
 inline VoxelBox whole_box(const Grid& grid) { return {glm::ivec3(0), grid.dims}; }
+
+/// True when they have voxels in common.
+inline bool meet(const VoxelBox& a, const VoxelBox& b) {
+  return glm::all(glm::lessThan(a.first, b.end)) && glm::all(glm::lessThan(b.first, a.end));
+}
 
 /// Throws InputError that names the axis unless the box has voxels and lies within the volume.
 void check(const VoxelBox& box, const Grid& grid);

@@ -169,7 +169,7 @@ std::unique_ptr<VolumeSource> open_amrex(const std::filesystem::path& path, cons
   std::vector<VolumePiece> pieces;
   for (const Fab& fab : fabs) {
     const auto first = fab.first - domain.first;
-    pieces.push_back({fab.file, first, fab.end - domain.first, first, [=, channels = notes.channels] {
+    pieces.push_back({fab.file, {first, fab.end - domain.first}, first, [=, channels = notes.channels] {
                         auto stored = fab.stored();
                         if (stored.type != grid.type) refuse(fab.file, hint, "its boxes are of two types");
                         Grid box = grid;

@@ -246,7 +246,8 @@ std::optional<VolumePiece> piece_of(const VtiHeader& header, const VtiPiece& pie
                                     Grid grid) {
   if (!glm::all(glm::lessThanEqual(piece.first, piece.last))) return {};
   const VtiArray& own = same_array(piece, array);
-  VolumePiece box{.file = piece.file};
+  VolumePiece part{.file = piece.file};
+  auto& [begins, ends] = part.box;
   grid.dims = sizes_of(array, piece.first, piece.last, piece.file);
   for (int axis = 0; axis < 3; ++axis) {
     const std::int64_t first = piece.first[axis], last = piece.last[axis], begin = header.first[axis],
@@ -257,17 +258,17 @@ std::optional<VolumePiece> piece_of(const VtiHeader& header, const VtiPiece& pie
     // Those at the end, and of a flat volume, have one more.
     const std::int64_t more = last == end && (!array.of_cells || begin == end) ? 1 : 0;
     const std::int64_t ghosts = std::clamp<std::int64_t>(header.ghosts, 0, last - first);
-    box.from[axis] = int(first - begin);
-    box.first[axis] = int(first - begin + (first > begin ? ghosts : 0));
-    box.end[axis] = int(last - begin + (last < end ? -ghosts : more));
-    if (box.first[axis] >= box.end[axis]) return {};
+    part.from[axis] = int(first - begin);
+    begins[axis] = int(first - begin + (first > begin ? ghosts : 0));
+    ends[axis] = int(last - begin + (last < end ? -ghosts : more));
+    if (begins[axis] >= ends[axis]) return {};
   }
   const int components = array.components;
-  box.from.x *= components, box.first.x *= components, box.end.x *= components;
-  box.open = [grid = interleaved_grid(grid, components, piece.file.string()), file = piece.file, own] {
+  part.from.x *= components, begins.x *= components, ends.x *= components;
+  part.open = [grid = interleaved_grid(grid, components, piece.file.string()), file = piece.file, own] {
     return source_of(grid, file, own);
   };
-  return box;
+  return part;
 }
 
 }  // namespace
