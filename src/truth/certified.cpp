@@ -19,15 +19,16 @@ class Certifier : EnclosedTracer {
       : EnclosedTracer(scene), width_(width), most_pieces_(most_pieces) {}
 
   PixelBounds along(Pixel pixel) const {
-    return seen_by(pixel, [&](const LatticeRay& ray) { return composited(ray); });
+    return seen_by(pixel, [&](const LatticeRay& ray, const Way& way) { return composited(ray, way); });
   }
 
  private:
-  EnclosedPiece composited(const LatticeRay& ray) const {
+  EnclosedPiece composited(const LatticeRay& ray, const Way& way) const {
     Sight sight{.pieces_left = most_pieces_};
-    const std::vector<Uncertain> cuts = uncertain_cuts(scene_, ray);
-    for (std::size_t i = 0; i + 1 < cuts.size() && !hidden(sight); ++i)
-      if (cuts[i].at < cuts[i + 1].at) pass(ray, passage_between(scene_, ray, cuts[i], cuts[i + 1]), sight);
+    for_passages(ray, way, [&](const Passage& passage) {
+      if (passage.enter < passage.leave || !rays_.planes().empty()) pass(ray, passage, sight);
+      return !hidden(sight);
+    });
     sight.rest_open = hidden(sight);
     EnclosedPiece seen = composited(sight);
     while (!(seen.width() <= width_) && sharpen(sight, seen.width())) seen = composited(sight);
@@ -178,9 +179,8 @@ std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pi
   const Shown& shown = scene.frame.shown;
   if (shown.mode == Mode::attenuated)
     throw InputError("--mode attenuated has no certified bounds", "measure it by --error field");
-  if (!shown.clip_planes.empty() || shown.edges || !shown.tints.empty() || shown.values)
-    throw InputError("certified bounds know no --clip-plane, --tf2d, --mask-as or --values",
-                     "measure by --error field");
+  if (shown.edges || !shown.tints.empty() || shown.values)
+    throw InputError("certified bounds know no --tf2d, --mask-as or --values", "measure by --error field");
   if (shown.clip) return certified_bounds(cropped(scene), pixels, width, most_pieces);
   if (shown.mode != Mode::composite) return projected_bounds(scene, pixels);
   const Certifier certifier(scene, width, most_pieces);

@@ -29,8 +29,8 @@ class Projector : EnclosedTracer {
   explicit Projector(const Scene& scene) : EnclosedTracer(scene), shown_(scene.frame.shown) {}
 
   PixelBounds along(Pixel pixel) const {
-    return seen_by(pixel, [&](const LatticeRay& ray) {
-      return shown_.mode == Mode::surface ? first_surface(ray) : coloured(projected(ray));
+    return seen_by(pixel, [&](const LatticeRay& ray, const Way& way) {
+      return shown_.mode == Mode::surface ? first_surface(ray, way) : coloured(projected(ray, way));
     });
   }
 
@@ -38,13 +38,11 @@ class Projector : EnclosedTracer {
   /// Calls see(stretch, passage) for all of a ray from its front until that returns false; the stretch is
   /// missing where there is no value.
   template <class See>
-  void for_stretches(const LatticeRay& ray, const See& see) const {
-    const std::vector<Uncertain> cuts = uncertain_cuts(scene_, ray);
-    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-      const Passage passage = passage_between(scene_, ray, cuts[i], cuts[i + 1]);
+  void for_stretches(const LatticeRay& ray, const Way& way, const See& see) const {
+    for_passages(ray, way, [&](const Passage& passage) {
       const bool known = passage.length.lower() > 0 && !beside_other_medium(ray, passage);
-      if (!see(known ? in_cell(passage) : beside_cells(ray, passage), passage)) return;
-    }
+      return see(known ? in_cell(passage) : beside_cells(ray, passage), passage);
+    });
   }
 
   Stretch beside_cells(const LatticeRay& ray, const Passage& passage) const {
@@ -67,13 +65,13 @@ class Projector : EnclosedTracer {
   }
 
   /// A ray's extremum, mean or integral.
-  Interval projected(const LatticeRay& ray) const {
+  Interval projected(const LatticeRay& ray, const Way& way) const {
     const TransferFunction& tf = shown_.transfer_function;
     const bool greatest = shown_.mode == Mode::mip;
     Interval extremum = greatest ? Interval(std::min(tf.colours.front().value, tf.opacities.front().value))
                                  : Interval(std::max(tf.colours.back().value, tf.opacities.back().value));
     Interval integral = 0, length = 0, met = Interval::empty();
-    for_stretches(ray, [&](const std::optional<Stretch>& s, const Passage& passage) {
+    for_stretches(ray, way, [&](const std::optional<Stretch>& s, const Passage& passage) {
       length += passage.length;
       if (!s || !s->sure) met = hull(met, Interval(0));
       if (!s) return true;
@@ -123,10 +121,10 @@ class Projector : EnclosedTracer {
     return true;
   }
 
-  EnclosedPiece first_surface(const LatticeRay& ray) const {
+  EnclosedPiece first_surface(const LatticeRay& ray, const Way& way) const {
     constexpr int most_pieces = 1'000;
     Search search;
-    for_stretches(ray, [&](const std::optional<Stretch>& s, const Passage& passage) {
+    for_stretches(ray, way, [&](const std::optional<Stretch>& s, const Passage& passage) {
       search.pieces_left = most_pieces;
       if (s && s->in_one_cell && !one_sided(s->values, search))
         look(s->value, medium_of(ray, passage, *cell_values(scene_, curve_, passage.cell), 0).light, 0, 1,

@@ -18,8 +18,9 @@ class EnclosedTracer : protected Tracer {
       : Tracer(scene),
         lines_(curve_),
         gradients_(scene),
-        grown_(scene, resized(tube)),
-        shrunk_(scene, resized(-tube)) {
+        whole_(rays_.uncut()),
+        grown_(Rays(scene, resized(tube)).uncut()),
+        shrunk_(Rays(scene, resized(-tube)).uncut()) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const double v : scene.values) {
       const double finite = curve_.bounded(v);
@@ -34,15 +35,27 @@ class EnclosedTracer : protected Tracer {
       for (int row = 0; row < 3; ++row) steepest_ += 2 * largest_difference * std::abs(to_world[k][row]);
   }
 
-  /// Of a pixel: what see(ray) finds, or nothing where the exact ray may miss the volume.
+  /// Of a pixel: what see(ray, way) finds, or nothing where the exact ray may miss what is shown.
   template <class See>
   PixelBounds seen_by(Pixel pixel, const See& see) const {
-    const LatticeRay ray = rays_.through(pixel);
-    if (!(ray.enter < ray.leave))
-      return grown_.hit(pixel) ? PixelBounds{} : PixelBounds{Rgba(0.0), Rgba(0.0)};
-    PixelBounds bounds = bounds_of(see(ray));
-    if (!shrunk_.hit(pixel)) bounds.low = Rgba(0.0);
+    const PixelBounds nothing{Rgba(0.0), Rgba(0.0)};
+    const LatticeRay ray = whole_.through(pixel);
+    if (!(ray.enter < ray.leave)) return grown_.hit(pixel) ? PixelBounds{} : nothing;
+    const Way way = way_along(scene_, ray, rays_.planes());
+    if (way.cuts.empty() || way.leave.surely_before(way.enter)) return nothing;
+    if (way.along_plane) return {};
+    PixelBounds bounds = bounds_of(see(ray, way));
+    if (!shrunk_.hit(pixel) || !way.enter.surely_before(way.leave)) bounds.low = Rgba(0.0);
     return bounds;
+  }
+
+  /// Calls see(passage) for what clip planes may leave of a ray, from its front until that returns false.
+  template <class See>
+  void for_passages(const LatticeRay& ray, const Way& way, const See& see) const {
+    for (std::size_t i = 0; i + 1 < way.cuts.size(); ++i)
+      if (!way.is_cut_off(way.cuts[i], way.cuts[i + 1]) &&
+          !see(passage_between(scene_, ray, way.cuts[i], way.cuts[i + 1])))
+        return;
   }
 
   /// Where a ray runs along a face, or along an edge, what is on the other side counts as well.
@@ -123,9 +136,9 @@ class EnclosedTracer : protected Tracer {
 
   EnclosedCurve lines_;
   Gradients gradients_;
-  Rays grown_, shrunk_;
-  Interval values_ = 0;  ///< of all voxels that are numbers
-  double steepest_ = 0;  ///< how much a normal's component changes from voxel to voxel, at most
+  Rays whole_, grown_, shrunk_;  ///< without clip planes
+  Interval values_ = 0;          ///< of all voxels that are numbers
+  double steepest_ = 0;          ///< how much a normal's component changes from voxel to voxel, at most
 
   LatticeBox resized(double by) const {
     const LatticeBox box = voxel_faces(scene_);

@@ -17,24 +17,75 @@ Uncertain end_of(const Scene& scene, const LatticeRay& ray, double at) {
   return end;
 }
 
+/// A ray's height above a clip plane, and how it changes along the ray.
+struct Height {
+  double of_voxel;  ///< how much a voxel's length along each axis changes it, at most
+  Interval here, rise = 0;
+};
+Height height_above(const CutPlane& plane, const LatticeRay& ray) {
+  const glm::dvec3 n = glm::abs(plane.normal);
+  const double of_voxel = n.x + n.y + n.z;
+  // The plane is as uncertain as the ray.
+  Height height{of_voxel, plane.offset + within(2 * tube * of_voxel)};
+  for (int k = 0; k < 3; ++k) {
+    height.here += Interval(plane.normal[k]) * ray.origin[k];
+    height.rise += Interval(plane.normal[k]) * ray.step[k];
+  }
+  return height;
+}
+
+/// Adds where clip planes cut a ray that is cut at the volume's ends and at voxels.
+void add_planes(Way& way, const LatticeRay& ray, std::span<const CutPlane> planes) {
+  const Uncertain first = way.cuts.front(), last = way.cuts.back();
+  for (const CutPlane& plane : planes) {
+    const Height height = height_above(plane, ray);
+    const Interval all = height.here + height.rise * hull(first.exact(), last.exact());
+    if (all.lower() > 0) continue;
+    if (all.upper() < 0) return way.cuts.clear();
+    if (const auto cut = plane_crossing(ray, plane))
+      way.cuts.insert(std::ranges::upper_bound(way.cuts, cut->at, {}, &Uncertain::at), *cut);
+    else
+      way.along_plane = true;
+  }
+}
+
 }  // namespace
 
-std::vector<Uncertain> uncertain_cuts(const Scene& scene, const LatticeRay& ray) {
-  std::vector<Uncertain> cuts;
+std::optional<Uncertain> plane_crossing(const LatticeRay& ray, const CutPlane& plane) {
+  const auto [of_voxel, here, rise] = height_above(plane, ray);
+  if (may_run_along_faces(std::min(std::abs(rise.lower()), std::abs(rise.upper())) / of_voxel))
+    return std::nullopt;
+  const Interval at = -here / rise;
+  return Uncertain{median(at), OutwardRounding::up(0.5 * width(at)),
+                   rise.lower() > 0 ? Uncertain::CutsOff::before : Uncertain::CutsOff::behind};
+}
+
+Way way_along(const Scene& scene, const LatticeRay& ray, std::span<const CutPlane> planes) {
+  Way way;
+  std::vector<Uncertain>& cuts = way.cuts;
   for (const auto& [at, axis] : cuts_along(scene, ray)) {
     if (!axis)
       cuts.push_back(end_of(scene, ray, at));
     else
       cuts.push_back({at, may_run_along_faces(ray.step[*axis]) ? 0 : tube / std::abs(ray.step[*axis])});
   }
-  // Of three planes at one place as well, each may be crossed first.
-  for (int round = 0; round < 2; ++round)
+  add_planes(way, ray, planes);
+  if (cuts.empty()) return way;
+  // Of three planes at one place as well, and of clip planes, each may be crossed first.
+  for (std::size_t round = 0; round < 2 + planes.size(); ++round)
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
       Uncertain &one = cuts[i], &next = cuts[i + 1];
       const double apart = next.at - one.at, by = apart + one.by + next.by;
-      if (one.by > 0 && next.by > 0 && apart <= one.by + next.by) one.by = next.by = by;
+      const bool may_change_places = (one.by > 0 && next.by > 0) || !planes.empty();
+      if (may_change_places && apart <= one.by + next.by) one.by = next.by = by;
     }
-  return cuts;
+  way.enter = cuts.front();
+  way.leave = cuts.back();
+  for (const Uncertain& cut : cuts) {
+    if (cut.cuts_off == Uncertain::CutsOff::before) way.enter = cut;
+    if (cut.cuts_off == Uncertain::CutsOff::behind && cut.at < way.leave.at) way.leave = cut;
+  }
+  return way;
 }
 
 Passage passage_between(const Scene& scene, const LatticeRay& ray, const Uncertain& enter,

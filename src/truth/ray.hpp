@@ -57,6 +57,12 @@ class Rays {
   ScreenBounds bounds() const;
   const ViewTransform& view() const { return view_; }
   const std::vector<CutPlane>& planes() const { return planes_; }
+  /// Those through the whole box.
+  Rays uncut() const {
+    Rays whole = *this;
+    whole.planes_.clear();
+    return whole;
+  }
 
  private:
   ViewTransform view_;
