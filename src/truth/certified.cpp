@@ -159,6 +159,7 @@ class Certifier : EnclosedTracer {
     Extremes e;
     e.value = values_near(ray, passage).value_or(values_);
     e.of_curve = lines_.over(e.value);
+    if (tints_.any()) std::fill_n(e.of_curve.begin(), EnclosedCurve::opacity, Interval(0, 1));
     if (scene_.shaded()) {
       e.light = EnclosedLight::any(scene_.frame.shown.material);
       e.light.scale = hull(e.light.scale, Interval(1));  // none, where the field is level
@@ -179,8 +180,8 @@ std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pi
   const Shown& shown = scene.frame.shown;
   if (shown.mode == Mode::attenuated)
     throw InputError("--mode attenuated has no certified bounds", "measure it by --error field");
-  if (shown.edges || !shown.tints.empty() || shown.values)
-    throw InputError("certified bounds know no --tf2d, --mask-as or --values", "measure by --error field");
+  if (shown.edges || shown.values)
+    throw InputError("certified bounds know no --tf2d or --values", "measure by --error field");
   if (shown.clip) return certified_bounds(cropped(scene), pixels, width, most_pieces);
   if (shown.mode != Mode::composite) return projected_bounds(scene, pixels);
   const Certifier certifier(scene, width, most_pieces);

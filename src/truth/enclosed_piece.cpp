@@ -40,6 +40,10 @@ Densities<N> densities(const CellMedium& medium, const Extremes& e, const Enclos
   const auto of_curve = [&](std::size_t channel) {
     Series<N> s = value * line.slope[channel];
     s[0] = line.at(channel, value[0]);
+    if (channel == EnclosedCurve::opacity || medium.tint.w == 0) return s;
+    const Interval whole = tinted(s[0], medium.tint, channel);
+    s = s * (1.0 - Interval(medium.tint.w));
+    s[0] = whole;
     return s;
   };
   Densities<N> made;
@@ -114,6 +118,8 @@ Extremes extremes_of(const EnclosedCurve& lines, const CellMedium& medium, const
   Extremes e;
   e.value = series_of<0>(medium.value, part.middle, part.reach())[0];
   e.of_curve = lines.over(e.value);
+  for (std::size_t c = 0; c < EnclosedCurve::opacity; ++c)
+    e.of_curve[c] = tinted(e.of_curve[c], medium.tint, c);
   if (medium.light) e.light = medium.light->over(part.middle, part.reach());
   return e;
 }

@@ -125,11 +125,18 @@ struct EnclosedPiece {
 /// One seen through another.
 EnclosedPiece behind(const EnclosedPiece& front, const EnclosedPiece& back);
 
+/// A straight colour where a label's tint takes the place of its share (truth::Tints).
+inline Interval tinted(const Interval& colour, const glm::dvec4& tint, std::size_t channel) {
+  const Interval share = tint.w;
+  return tint.w == 0 ? colour : (1.0 - share) * colour + share * tint[int(channel)];
+}
+
 /// What of a cell decides the medium along a passage.
 struct CellMedium {
   Polynomial value;
   std::optional<EnclosedLight> light = std::nullopt;
   Interval length_of_passage = 0;
+  glm::dvec4 tint{0.0};
 };
 
 /// The piece [a, b] of a passage, in parts of it.

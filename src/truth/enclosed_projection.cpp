@@ -30,7 +30,7 @@ class Projector : EnclosedTracer {
 
   PixelBounds along(Pixel pixel) const {
     return seen_by(pixel, [&](const LatticeRay& ray, const Way& way) {
-      return shown_.mode == Mode::surface ? first_surface(ray, way) : coloured(projected(ray, way));
+      return shown_.mode == Mode::surface ? first_surface(ray, way) : coloured(projected(ray, way), ray, way);
     });
   }
 
@@ -97,12 +97,34 @@ class Projector : EnclosedTracer {
     return length.lower() > 0 ? clamped(integral / length, met.lower(), met.upper()) : met;
   }
 
-  EnclosedPiece coloured(const Interval& value) const {
+  EnclosedPiece coloured(const Interval& value, const LatticeRay& ray, const Way& way) const {
     const Interval any{0, 1};
     // Whatever was no number proves nothing.
     if (!(value.lower() <= value.upper())) return {{any, any, any}, any};
-    const auto [red, green, blue, opacity] = lines_.over(value);
+    auto colours = lines_.over(value);
+    const Interval opacity = colours[EnclosedCurve::opacity];
+    if (scene_.is_slice() && tints_.any()) tint_slice(colours, ray, way);
+    const auto& [red, green, blue, same_opacity] = colours;
     return {{red * opacity, green * opacity, blue * opacity}, 1.0 - opacity};
+  }
+
+  /// By the voxels that may be nearest to where a ray is half through.
+  void tint_slice(EnclosedCurve::Channels& colours, const LatticeRay& ray, const Way& way) const {
+    const Interval middle = 0.5 * (way.enter.exact() + way.leave.exact());
+    glm::dvec3 low, high;
+    for (int k = 0; k < 3; ++k) {
+      const Interval place = Interval(ray.origin[k]) + middle * ray.step[k] + within(tube);
+      low[k] = place.lower();
+      high[k] = place.upper();
+    }
+    const Cell near{nearest_voxel(low, scene_.grid.dims), nearest_voxel(high, scene_.grid.dims)};
+    const bool few = glm::all(glm::lessThanEqual(near.high - near.low, glm::ivec3(1)));
+    for (std::size_t c = 0; c < EnclosedCurve::opacity; ++c) {
+      Interval all = few ? Interval::empty() : Interval(0, 1);
+      for (int corner = 0; corner < 8; ++corner)
+        all = hull(all, tinted(colours[c], tints_.of(near.corner(corner)), c));
+      colours[c] = all;
+    }
   }
 
   struct Search {

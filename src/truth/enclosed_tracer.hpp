@@ -60,32 +60,46 @@ class EnclosedTracer : protected Tracer {
 
   /// Where a ray runs along a face, or along an edge, what is on the other side counts as well.
   bool beside_other_medium(const LatticeRay& ray, const Passage& passage) const {
-    if (!scene_.nearest()) return passage.beside > 0 && !values_around(passage);
+    if (!scene_.nearest() && passage.beside > 0 && !values_around(passage)) return true;
+    if (!scene_.nearest() && !beside_other_tint(passage)) return false;
     for (int k = 0; k < 3; ++k) {
       if (!may_run_along_faces(ray.step[k])) continue;
       for (const double s : {passage.enter, passage.leave}) {
         constexpr double towards_greater = 1e-9;  // as nearest_voxel() rounds
-        const double place = ray.at(s)[k] + 0.5 + towards_greater - passage.shown.low[k];
+        const double place = ray.at(s)[k] + 0.5 + towards_greater - passage.voxel[k];
         if (!(place > tube && place < 1 - tube)) return true;
       }
     }
     return false;
   }
 
-  /// The values of all voxels that a ray beside the passage's cell may see; nothing where one is no number.
-  std::optional<Interval> values_around(const Passage& passage) const {
-    Interval all = Interval::empty();
+  /// Calls see(voxel) for all that a ray beside the passage's cell may see.
+  template <class See>
+  void for_voxels_around(const Passage& passage, const See& see) const {
     const glm::ivec3 first = glm::max(passage.cell.low - 1, 0),
                      last = glm::min(passage.cell.high + 1, scene_.grid.dims - 1);
-    bool complete = true;
     for (int z = first.z; z <= last.z; ++z)
       for (int y = first.y; y <= last.y; ++y)
-        for (int x = first.x; x <= last.x; ++x) {
-          const double v = curve_.bounded(scene_.values[scene_.index({x, y, z})]);
-          complete = complete && !std::isnan(v);
-          if (!std::isnan(v)) all = hull(all, Interval(v));
-        }
+        for (int x = first.x; x <= last.x; ++x) see(glm::ivec3(x, y, z));
+  }
+  /// The values there; nothing where one is no number.
+  std::optional<Interval> values_around(const Passage& passage) const {
+    Interval all = Interval::empty();
+    bool complete = true;
+    for_voxels_around(passage, [&](const glm::ivec3& voxel) {
+      const double v = curve_.bounded(scene_.values[scene_.index(voxel)]);
+      complete = complete && !std::isnan(v);
+      if (!std::isnan(v)) all = hull(all, Interval(v));
+    });
     return complete ? std::optional(all) : std::nullopt;
+  }
+  bool beside_other_tint(const Passage& passage) const {
+    bool other = false;
+    if (tints_.any())
+      for_voxels_around(passage, [&](const glm::ivec3& voxel) {
+        other = other || tints_.of(voxel) != tints_.of(passage.voxel);
+      });
+    return other;
   }
 
   /// Those of a passage of which only what is near it is known; nothing where it may have none.
@@ -114,7 +128,7 @@ class EnclosedTracer : protected Tracer {
 
   CellMedium medium_of(const LatticeRay& ray, const Passage& passage, const CellValues& values,
                        double extra) const {
-    CellMedium medium{value_of(values, passage), std::nullopt, passage.length};
+    CellMedium medium{value_of(values, passage), std::nullopt, passage.length, tints_.of(passage.voxel)};
     if (extra > 0) medium.value[0] += within(extra);
     if (!scene_.shaded()) return medium;
     const Corners<glm::dvec3> normals = cell_normals(gradients_, passage.cell);

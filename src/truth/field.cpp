@@ -33,7 +33,7 @@ class FieldIntegrator : Tracer {
       if (scene_.frame.shown.values) return Rgba(glm::dvec3(value), 1);
       const auto sample = curve_.at(value);
       glm::dvec3 colour = sample.colour;
-      if (is_slice()) colour = tints_.on(colour, ray.at(0.5 * (ray.enter + ray.leave)));
+      if (scene_.is_slice()) colour = tints_.on(colour, ray.at(0.5 * (ray.enter + ray.leave)));
       return Rgba(colour * sample.opacity, sample.opacity);
     }
     Piece seen;
@@ -61,11 +61,6 @@ class FieldIntegrator : Tracer {
     if (!values) return std::nullopt;
     return cubic_along(crossing.enter, crossing.leave,
                        [&](double s) { return values->at(ray.at(s) - glm::dvec3(crossing.corner)); });
-  }
-
-  bool is_slice() const {
-    const glm::ivec3& dims = scene_.grid.dims;
-    return std::min({dims.x, dims.y, dims.z}) == 1;
   }
 
   /// A ray's extremum, mean or integral.
@@ -176,8 +171,7 @@ class FieldIntegrator : Tracer {
       if (scene_.shaded()) medium.colour = phong_.shade(medium.colour, normal, ray.to_viewer);
       return medium;
     };
-    auto cuts = smooth_pieces(crossing, place, value_at, normals, ray.to_viewer);
-    if (tints_.any()) cut_at_voxels(ray, crossing, cuts);
+    const auto cuts = smooth_pieces(crossing, place, value_at, normals, ray.to_viewer);
     for (std::size_t i = 0; i + 1 < cuts.size() && seen.transmittance >= 0.1 * tolerance_; ++i) {
       const double a = cuts[i], b = cuts[i + 1];
       if (!(a < b)) continue;
@@ -203,15 +197,6 @@ class FieldIntegrator : Tracer {
     }
     for (double& cut : cuts) cut = std::lerp(crossing.enter, crossing.leave, cut);
     return cuts;
-  }
-
-  /// Adds where the nearest voxel changes.
-  static void cut_at_voxels(const LatticeRay& ray, const Crossing& crossing, std::vector<double>& cuts) {
-    for (int k = 0; k < 3; ++k) {
-      const double s = (crossing.corner[k] + 0.5 - ray.origin[k]) / ray.step[k];
-      if (s > crossing.enter && s < crossing.leave) cuts.push_back(s);
-    }
-    std::ranges::sort(cuts);
   }
 
   double tolerance_;

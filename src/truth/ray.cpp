@@ -115,7 +115,7 @@ std::vector<Cut> cuts_along(const Scene& scene, const LatticeRay& ray) {
   const glm::dvec3 first = ray.at(ray.enter), last = ray.at(ray.leave);
   for (int k = 0; k < 3; ++k) {
     if (ray.step[k] == 0) continue;
-    const double in_voxel = scene.nearest() ? 2 : 1;
+    const double in_voxel = scene.nearest() || !scene.labels.empty() ? 2 : 1;
     const double low = std::ceil(in_voxel * std::min(first[k], last[k])),
                  high = std::floor(in_voxel * std::max(first[k], last[k]));
     for (double plane = low; plane <= high; ++plane) {
@@ -132,7 +132,7 @@ Crossing crossing_between(const Scene& scene, const LatticeRay& ray, double ente
   const glm::ivec3 corner(glm::floor(middle)), last = scene.grid.dims - 1,
                                                nearest = nearest_voxel(middle, scene.grid.dims);
   const Cell cell{glm::clamp(corner, glm::ivec3(0), last), glm::clamp(corner + 1, glm::ivec3(0), last)};
-  return {enter, leave, corner, cell, scene.nearest() ? Cell{nearest, nearest} : cell};
+  return {enter, leave, corner, nearest, cell, scene.nearest() ? Cell{nearest, nearest} : cell};
 }
 
 }  // namespace ringsplat::truth

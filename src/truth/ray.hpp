@@ -78,8 +78,8 @@ class Rays {
 };
 
 /// Where a ray enters and leaves the volume (no axis), and where between them it crosses an axis' plane of
-/// cells' faces; of nearest voxels' faces as well, where values are not interpolated. Ascending; each is
-/// computed from the ray's start.
+/// cells' faces; of nearest voxels' faces as well, where values or tints are not interpolated. Ascending;
+/// each is computed from the ray's start.
 struct Cut {
   double at;
   std::optional<int> axis = std::nullopt;
@@ -154,6 +154,7 @@ inline glm::ivec3 nearest_voxel(const glm::dvec3& place, const glm::ivec3& dims)
 struct Crossing {
   double enter, leave;
   glm::ivec3 corner;  ///< the low one; −1 in the half voxel before the first centre
+  glm::ivec3 voxel;   ///< the nearest, where cuts are at voxels' faces
   Cell cell;
   Cell shown;  ///< the same, or the voxel whose value it has where values are not interpolated
 };

@@ -130,8 +130,7 @@ Tints::Tints(const Scene& scene) : scene_(scene), any_(!scene.labels.empty()) {
 
 glm::dvec3 Tints::on(const glm::dvec3& colour, const glm::dvec3& point) const {
   if (!any_) return colour;
-  const glm::ivec3 voxel = nearest_voxel(point, scene_.grid.dims);
-  const glm::dvec4& tint = of_label_[scene_.labels[scene_.index(voxel)]];
+  const glm::dvec4& tint = of(nearest_voxel(point, scene_.grid.dims));
   return glm::mix(colour, glm::dvec3(tint), tint.w);
 }
 

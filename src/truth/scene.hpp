@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -41,6 +42,7 @@ struct Scene {
   bool needs_gradients() const { return shaded() || frame.shown.edges; }
   bool of_sheets() const { return std::holds_alternative<Sheets>(frame.how); }
   bool nearest() const { return frame.shown.interpolation == Interpolation::nearest; }
+  bool is_slice() const { return std::min({grid.dims.x, grid.dims.y, grid.dims.z}) == 1; }
   /// A voxel's place in `values`.
   std::size_t index(const glm::ivec3& p) const {
     return std::size_t(p.x) +
@@ -110,6 +112,10 @@ class Tints {
  public:
   explicit Tints(const Scene& scene);
   bool any() const { return any_; }
+  /// A voxel's tint, and its share.
+  const glm::dvec4& of(const glm::ivec3& voxel) const {
+    return of_label_[any_ ? scene_.labels[scene_.index(voxel)] : 0];
+  }
   /// A colour in the voxel nearest to a lattice point.
   glm::dvec3 on(const glm::dvec3& colour, const glm::dvec3& point) const;
 

@@ -72,6 +72,7 @@ TEST_CASE("--mask-as tints or outlines what a segmentation covers, with the same
     CHECK(same_pictures(files.picture, files.alone));
     CHECK(files.differs(files.whole, "0.5"));
   }
+  files.render("x.exr", {"--mask", files.large, "--mask-as", "outline", "--error", "certified"});
   const auto refusal = [&](const Words& more) {
     return run_program(joined({"render", files.volume(), "-o", files.picture, "--mask-as", "tint"}, more));
   };
