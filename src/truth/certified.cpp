@@ -180,8 +180,7 @@ std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pi
   const Shown& shown = scene.frame.shown;
   if (shown.mode == Mode::attenuated)
     throw InputError("--mode attenuated has no certified bounds", "measure it by --error field");
-  if (shown.edges || shown.values)
-    throw InputError("certified bounds know no --tf2d or --values", "measure by --error field");
+  if (shown.values) throw InputError("--values have no certified bounds", "leave out --values");
   if (shown.clip) return certified_bounds(cropped(scene), pixels, width, most_pieces);
   if (shown.mode != Mode::composite) return projected_bounds(scene, pixels);
   const Certifier certifier(scene, width, most_pieces);

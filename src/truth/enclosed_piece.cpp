@@ -48,6 +48,7 @@ Densities<N> densities(const CellMedium& medium, const Extremes& e, const Enclos
   };
   Densities<N> made;
   made.depth = extinction_of(of_curve(EnclosedCurve::opacity)) * part.passage_length;
+  if (e.edge.share.lower() < 1) made.depth = made.depth * medium.edge->series<N>(e.edge, part.middle, reach);
   const Series<N> seen = seen_through_itself(made.depth, made.depth[0] * within(reach));
   EnclosedLight::Light<N> light;
   if (medium.light) light = medium.light->series<N>(e.light.kind, part.middle, reach);
@@ -121,20 +122,21 @@ Extremes extremes_of(const EnclosedCurve& lines, const CellMedium& medium, const
   for (std::size_t c = 0; c < EnclosedCurve::opacity; ++c)
     e.of_curve[c] = tinted(e.of_curve[c], medium.tint, c);
   if (medium.light) e.light = medium.light->over(part.middle, part.reach());
+  if (medium.edge) e.edge = medium.edge->over(part.middle, part.reach());
   return e;
 }
 
 EnclosedPiece between(const Extremes& e, const Part& part) {
   const Interval& opacity = e.opacity();
   EnclosedPiece piece;
-  const double most = opacity.lower() >= 1 ? 0
-                      : opacity.lower() > 0
-                          ? exp_of(-(extinction_of(Interval(opacity.lower())) * part.length)).upper()
-                          : 1,
-               least = opacity.upper() < 1
-                           ? exp_of(-(extinction_of(Interval(opacity.upper())) * part.length)).lower()
-                           : 0;
-  piece.transmittance = {least, std::min(1.0, most)};
+  const auto through = [&](double opaque, double share) {
+    if (!(opaque > 0 && share > 0)) return Interval(1);
+    if (opaque >= 1) return Interval(0);
+    const Interval depth = extinction_of(Interval(opaque)) * part.length;
+    return exp_of(-(share < 1 ? depth * share : depth));
+  };
+  piece.transmittance = {through(opacity.upper(), e.edge.share.upper()).lower(),
+                         std::min(1.0, through(opacity.lower(), e.edge.share.lower()).upper())};
   piece.mean_of.emplace();
   for (std::size_t c = 0; c < 3; ++c) {
     (*piece.mean_of)[c] = clamped(e.lit(c), 0, 1);
@@ -146,7 +148,7 @@ EnclosedPiece between(const Extremes& e, const Part& part) {
 std::optional<EnclosedPiece> expanded(const EnclosedCurve& lines, const CellMedium& medium, const Extremes& e,
                                       const Part& part) {
   constexpr double most_opacity = 0.9999;
-  if (!e.light.kind.smooth || !(e.opacity().upper() < most_opacity)) return std::nullopt;
+  if (!e.light.kind.smooth || !e.edge.smooth || !(e.opacity().upper() < most_opacity)) return std::nullopt;
   for (std::size_t c = 0; c < 3; ++c)
     if (e.lit(c).lower() < 1 && e.lit(c).upper() > 1) return std::nullopt;
   const std::size_t on = lines.line_of(median(e.value));

@@ -9,6 +9,63 @@
 
 namespace ringsplat::truth {
 
+/// A normal along a ray's way through a cell, as polynomials of the place.
+using EnclosedNormal = std::array<Polynomial, 3>;
+constexpr double least_square = 1e-250;  ///< of which a power is a number
+
+inline Interval square_over(const EnclosedNormal& normal, const Interval& place, double reach) {
+  Interval squared = 0;
+  for (const Polynomial& p : normal) squared += square(series_of<0>(p, place, reach)[0]);
+  return squared;
+}
+template <int N>
+Series<N> square_series(const EnclosedNormal& normal, const Interval& place, double reach) {
+  Series<N> squared;
+  for (const Polynomial& p : normal) {
+    const Series<N> component = series_of<N>(p, place, reach);
+    squared = squared + component * component;
+  }
+  return squared;
+}
+
+/// What gradients leave of extinction (Gradients::left_at_edge) along a ray's way through a cell.
+class EnclosedEdge {
+ public:
+  struct Bounds {
+    Interval share = 1;
+    bool smooth = true;    ///< has a series
+    Interval squared = 1;  ///< the normal's square
+  };
+  EnclosedEdge(const EdgeOpacity& edges, double unit, const EnclosedNormal& normal)
+      : normal_(normal),
+        from_(edges.from),
+        ramp_(Interval(edges.to) - from_),
+        scale_(Interval(1) / (unit * (1.0 + within(rounding)) * ramp_)) {}
+
+  Bounds over(const Interval& place, double reach) const {
+    const Interval squared = square_over(normal_, place, reach),
+                   least = power(max(squared, Interval(least_square)), 0.5),
+                   steep{squared.lower() > least_square ? least.lower() : 0, least.upper()},
+                   share = steep * scale_ - from_ / ramp_;
+    const bool on_ramp = squared.lower() > least_square && share.lower() >= 0 && share.upper() <= 1;
+    return {clamped(share, 0, 1), on_ramp || share.lower() >= 1, squared};
+  }
+  /// Where all is on the ramp.
+  template <int N>
+  Series<N> series(const Bounds& bounds, const Interval& place, double reach) const {
+    Series<N> squared = square_series<N>(normal_, place, reach);
+    squared[0] = intersect(squared[0], bounds.squared);
+    Series<N> share = power(squared, 0.5) * scale_;
+    share[0] = intersect(share[0] - from_ / ramp_, bounds.share);
+    return share;
+  }
+
+ private:
+  static constexpr double rounding = 1e-14;  ///< of a unit
+  EnclosedNormal normal_;
+  Interval from_, ramp_, scale_;
+};
+
 /// Phong's reflection (truth::Phong) along a ray's way through a cell, whose normal is a polynomial of the
 /// place.
 class EnclosedLight {
@@ -31,7 +88,7 @@ class EnclosedLight {
   };
 
   EnclosedLight(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer,
-                const std::array<Polynomial, 3>& normal)
+                const EnclosedNormal& normal)
       : material_(material), normal_(normal) {
     for (std::size_t k = 0; k < 4; ++k)
       for (int axis = 0; axis < 3; ++axis) {
@@ -48,11 +105,9 @@ class EnclosedLight {
   }
   /// Everywhere within `reach` of `place`.
   Bounds over(const Interval& place, double reach) const {
-    Interval squared = 0;
-    for (const Polynomial& p : normal_) squared += square(series_of<0>(p, place, reach)[0]);
+    const Interval squared = square_over(normal_, place, reach);
     Bounds all = any(material_);
-    constexpr double least = 1e-250;  // of which a power is a number
-    if (!(squared.lower() > least)) return all;
+    if (!(squared.lower() > least_square)) return all;
     const Interval inverse = power(squared, -0.5),
                    light = clamped(series_of<0>(towards_light_, place, reach)[0] * inverse, -1, 1),
                    viewer = clamped(series_of<0>(towards_viewer_, place, reach)[0] * inverse, -1, 1),
@@ -78,11 +133,7 @@ class EnclosedLight {
   /// Of a kind that has a series.
   template <int N>
   Light<N> series(const Kind& kind, const Interval& place, double reach) const {
-    Series<N> squared;
-    for (const Polynomial& p : normal_) {
-      const Series<N> component = series_of<N>(p, place, reach);
-      squared = squared + component * component;
-    }
+    Series<N> squared = square_series<N>(normal_, place, reach);
     squared[0] = intersect(squared[0], kind.squared);
     const Series<N> inverse = power(squared, -0.5),
                     light = series_of<N>(towards_light_, place, reach) * inverse;
@@ -103,7 +154,7 @@ class EnclosedLight {
   }
 
   const PhongMaterial& material_;
-  std::array<Polynomial, 3> normal_;
+  EnclosedNormal normal_;
   Polynomial towards_light_{}, towards_viewer_{};
   Interval light_to_viewer_ = 0;
 };
@@ -137,6 +188,7 @@ struct CellMedium {
   std::optional<EnclosedLight> light = std::nullopt;
   Interval length_of_passage = 0;
   glm::dvec4 tint{0.0};
+  std::optional<EnclosedEdge> edge = std::nullopt;
 };
 
 /// The piece [a, b] of a passage, in parts of it.
@@ -155,6 +207,7 @@ struct Extremes {
   Interval value;
   EnclosedCurve::Channels of_curve;
   EnclosedLight::Bounds light{Interval(1), Interval(0), {true, false, 0, 1}};
+  EnclosedEdge::Bounds edge = {};
   const Interval& opacity() const { return of_curve[EnclosedCurve::opacity]; }
   /// May be above 1, which is then shown as 1.
   Interval lit(std::size_t channel) const { return of_curve[channel] * light.scale + light.highlight; }

@@ -130,11 +130,10 @@ class EnclosedTracer : protected Tracer {
                        double extra) const {
     CellMedium medium{value_of(values, passage), std::nullopt, passage.length, tints_.of(passage.voxel)};
     if (extra > 0) medium.value[0] += within(extra);
-    if (!scene_.shaded()) return medium;
+    if (!scene_.needs_gradients()) return medium;
     const Corners<glm::dvec3> normals = cell_normals(gradients_, passage.cell);
     const bool level = std::ranges::all_of(normals, [](const glm::dvec3& n) { return n == glm::dvec3(0.0); });
-    if (level && passage.beside == 0) return medium;
-    std::array<Polynomial, 3> normal;
+    EnclosedNormal normal;
     for (int k = 0; k < 3; ++k) {
       Corners<Interval> corners;
       for (std::size_t c = 0; c < 8; ++c) {
@@ -144,7 +143,9 @@ class EnclosedTracer : protected Tracer {
       normal[std::size_t(k)] = along_passage(corners, passage);
       normal[std::size_t(k)][0] += within(3 * passage.beside * steepest_);
     }
-    medium.light.emplace(scene_.frame.shown.material, phong_.to_light(), ray.to_viewer, normal);
+    if (const auto& edges = scene_.frame.shown.edges) medium.edge.emplace(*edges, gradients_.unit(), normal);
+    if (scene_.shaded() && !(level && passage.beside == 0))
+      medium.light.emplace(scene_.frame.shown.material, phong_.to_light(), ray.to_viewer, normal);
     return medium;
   }
 

@@ -174,13 +174,15 @@ Gradients::Gradients(const Scene& scene)
   if (largest > 0) scale_ = 1 / static_cast<long double>(largest);
 }
 
+double Gradients::unit() const {
+  const glm::dvec3& spacing = scene_.grid.spacing;
+  return double(scale_) * std::min({spacing.x, spacing.y, spacing.z});
+}
+
 double Gradients::left_at_edge(double extinction, const glm::dvec3& normal) const {
   if (!scene_.frame.shown.edges) return extinction;
   const auto [from, to] = *scene_.frame.shown.edges;
-  const glm::dvec3& spacing = scene_.grid.spacing;
-  const double smallest = std::min({spacing.x, spacing.y, spacing.z}),
-               steepness = glm::length(normal) / (double(scale_) * smallest),
-               share = std::clamp((steepness - from) / (to - from), 0.0, 1.0);
+  const double share = std::clamp((glm::length(normal) / unit() - from) / (to - from), 0.0, 1.0);
   return share > 0 ? share * extinction : 0;
 }
 

@@ -158,6 +158,8 @@ class Gradients {
   /// One-sided at the border and beside a value that is not finite; zero where the voxel itself is not
   /// finite.
   glm::dvec3 at(const glm::ivec3& voxel) const;
+  /// The length of a normal where values change by one a world length.
+  double unit() const;
   /// What is left of an extinction where the field has this normal, by Shown::edges.
   double left_at_edge(double extinction, const glm::dvec3& normal) const;
 

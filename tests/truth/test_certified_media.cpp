@@ -1,4 +1,4 @@
-// Proved bounds of what a segmentation tints.
+// Proved bounds of what a segmentation tints, and of what gradients leave of opacity.
 #include "pixel_bounds.hpp"
 #include "support/catch.hpp"
 #include "truth/certified.hpp"
@@ -125,4 +125,63 @@ TEST_CASE("certified bounds hold a tinted slice, and a millionth beside it is ou
     CHECK(is_told_apart(bounds, scene, pixels,
                         [](auto& s) { s.frame.shown.tints[0].share += float(millionth); }));
   }
+}
+
+TEST_CASE("certified bounds hold what gradients leave of opacity") {
+  const auto pixels = random_pixels(size, size, 60, 2);
+  for (const Case& c : hard_cases())
+    for (const Camera& camera : cameras)
+      for (const Shading shading : {Shading::none, Shading::phong})
+        for (const EdgeOpacity& edges : {EdgeOpacity{0.03, 0.12}, {0, 0.25}, {0.07, 0.070001}}) {
+          FrameSpec spec = spec_of(c, camera, shading);
+          spec.shown.edges = edges;
+          if (camera.fov > 0) spec.shown.clip = VoxelBox{{1, 2, 1}, {8, 7, 6}};
+          if (camera.roll > 0) spec.shown.clip_planes = {{{0.4, 1, -0.3}, -1.3}};
+          const truth::Scene scene = scene_of(c.volume, spec);
+          const auto bounds = truth::certified_bounds(scene, pixels, width_of(shading));
+          CAPTURE(c.name, camera.azimuth, shading, edges.from);
+          CHECK(outside(bounds, truth::field_truth(scene, pixels, 1e-9), 1e-8) == 0);
+          CHECK(share_within(bounds, width_of(shading)) >= 0.95);
+        }
+}
+
+TEST_CASE("certified bounds hold the closed form of gradients' opacity, and nothing beside a millionth") {
+  // 3 a voxel of half a world length: 6. Rays from the front cross 10 voxels that are 4 of the least long.
+  const Volume ramped =
+      make_volume({20, 10, 12}, ScalarType::float32, [](int x, int, int) { return 3 * x; }, {0.5, 2, 1});
+  FrameSpec spec = plain_spec(ramp(-2000, -1000, 0.1), 32, {});
+  const std::vector<truth::Pixel> pixels{{16, 16}};
+  const auto check_share = [&](double from, double to, double share) {
+    spec.shown.edges = EdgeOpacity{from, to};
+    const auto found = truth::certified_bounds(scene_of(ramped, spec), pixels, 1e-9).front();
+    const auto opacity = [&](double by) { return 1 - std::pow(0.9, 40 * by); };
+    CAPTURE(from, to, found.low.a, found.high.a);
+    CHECK(found.low.a <= opacity(share));
+    CHECK(opacity(share) <= found.high.a);
+    CHECK(found.width() < 1e-9);
+    for (const double apart : {-millionth, millionth}) {
+      if (!(share > 0 && share < 1)) continue;
+      CHECK((found.low.a > opacity(share + apart) || opacity(share + apart) > found.high.a));
+    }
+  };
+  check_share(5, 7, 0.5);
+  check_share(0, 5.9, 1);
+  check_share(6.2, 8, 0);
+  check_share(3, 15, 0.25);
+}
+
+TEST_CASE("certified bounds tell gradients' opacities apart that differ by a millionth") {
+  const auto pixels = random_pixels(size, size, 80, 5);
+  const Case lumps = hard_cases().front();
+  FrameSpec spec = spec_of(lumps, cameras[0], Shading::none);
+  spec.shown.edges = EdgeOpacity{0.01, 0.3};
+  const truth::Scene scene = scene_of(lumps.volume, spec);
+  for (const double width : {1e-3, 1e-5, 5e-9})
+    CHECK(share_within(truth::certified_bounds(scene, pixels, width), width) > 0.9);
+  const auto bounds = truth::certified_bounds(scene, pixels, 5e-9);
+  CHECK(outside(bounds, truth::field_truth(scene, pixels, 1e-11), 1e-10) == 0);
+  const auto differs = [&](const auto& change) { return is_told_apart(bounds, scene, pixels, change); };
+  CHECK(differs([](auto& s) { s.frame.shown.edges->from += millionth; }));
+  CHECK(differs([](auto& s) { s.frame.shown.edges->to += millionth; }));
+  CHECK(differs([](auto& s) { s.grid.spacing.x *= 1 + millionth; }));
 }
