@@ -92,8 +92,6 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
   for (const char* const name :
        {"--opaque-threshold", "--image-plane", "--slabs", "--light-points", "--undersample"})
     if (o.budget.max_error && list.is_given(name)) o.budget.fixed.emplace(name);
-  if (o.error.truth == TruthKind::certified && o.colour.mode == Mode::attenuated)
-    throw InputError("--mode attenuated has no certified bounds", "measure it by --error field");
   if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
   o.error.all = o.budget.guarantee || (!o.error.map.empty() && !list.is_given("--error-pixels"));
   if (o.budget.guarantee) o.error.guaranteed = o.budget.max_error;

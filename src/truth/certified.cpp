@@ -178,8 +178,6 @@ class Certifier : EnclosedTracer {
 std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pixel> pixels, double width,
                                           int most_pieces) {
   const Shown& shown = scene.frame.shown;
-  if (shown.mode == Mode::attenuated)
-    throw InputError("--mode attenuated has no certified bounds", "measure it by --error field");
   if (shown.values) throw InputError("--values have no certified bounds", "leave out --values");
   if (shown.clip) return certified_bounds(cropped(scene), pixels, width, most_pieces);
   if (shown.mode != Mode::composite) return projected_bounds(scene, pixels);

@@ -27,7 +27,7 @@ struct PixelBounds {
 /// `most_pieces` of a ray have been enclosed: bounds are then wider, but hold as well. In modes other than
 /// compositing they are at once as narrow as numbers allow. All cores.
 ///
-/// Throws InputError for Mode::attenuated and Shown::values.
+/// Throws InputError for Shown::values.
 std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pixel> pixels, double width,
                                           int most_pieces = 50'000);
 

@@ -13,18 +13,16 @@ namespace ringsplat::truth {
 using EnclosedNormal = std::array<Polynomial, 3>;
 constexpr double least_square = 1e-250;  ///< of which a power is a number
 
-inline Interval square_over(const EnclosedNormal& normal, const Interval& place, double reach) {
-  Interval squared = 0;
-  for (const Polynomial& p : normal) squared += square(series_of<0>(p, place, reach)[0]);
-  return squared;
-}
 template <int N>
-Series<N> square_series(const EnclosedNormal& normal, const Interval& place, double reach) {
+Series<N> square_of(const EnclosedNormal& normal, const Interval& place, double reach) {
   Series<N> squared;
+  Interval positive = 0;
   for (const Polynomial& p : normal) {
     const Series<N> component = series_of<N>(p, place, reach);
     squared = squared + component * component;
+    positive += square(component[0]);
   }
+  squared[0] = positive;
   return squared;
 }
 
@@ -33,8 +31,7 @@ class EnclosedEdge {
  public:
   struct Bounds {
     Interval share = 1;
-    bool smooth = true;    ///< has a series
-    Interval squared = 1;  ///< the normal's square
+    bool smooth = true;  ///< has a series
   };
   EnclosedEdge(const EdgeOpacity& edges, double unit, const EnclosedNormal& normal)
       : normal_(normal),
@@ -43,19 +40,17 @@ class EnclosedEdge {
         scale_(Interval(1) / (unit * (1.0 + within(rounding)) * ramp_)) {}
 
   Bounds over(const Interval& place, double reach) const {
-    const Interval squared = square_over(normal_, place, reach),
+    const Interval squared = square_of<0>(normal_, place, reach)[0],
                    least = power(max(squared, Interval(least_square)), 0.5),
                    steep{squared.lower() > least_square ? least.lower() : 0, least.upper()},
                    share = steep * scale_ - from_ / ramp_;
     const bool on_ramp = squared.lower() > least_square && share.lower() >= 0 && share.upper() <= 1;
-    return {clamped(share, 0, 1), on_ramp || share.lower() >= 1, squared};
+    return {clamped(share, 0, 1), on_ramp || share.lower() >= 1};
   }
   /// Where all is on the ramp.
   template <int N>
   Series<N> series(const Bounds& bounds, const Interval& place, double reach) const {
-    Series<N> squared = square_series<N>(normal_, place, reach);
-    squared[0] = intersect(squared[0], bounds.squared);
-    Series<N> share = power(squared, 0.5) * scale_;
+    Series<N> share = power(square_of<N>(normal_, place, reach), 0.5) * scale_;
     share[0] = intersect(share[0] - from_ / ramp_, bounds.share);
     return share;
   }
@@ -72,11 +67,11 @@ class EnclosedLight {
  public:
   /// What is not decided along a piece has a bound.
   struct Kind {
-    bool smooth = false;                 ///< has a series
-    bool highlight = false;              ///< the series has one
-    double missing = 0;                  ///< what the series leaves out, at most
-    double side = 1;                     ///< of the surface that is lit
-    Interval squared = 1, mirrored = 1;  ///< the normal's square, and the mirrored light's part to the viewer
+    bool smooth = false;     ///< has a series
+    bool highlight = false;  ///< the series has one
+    double missing = 0;      ///< what the series leaves out, at most
+    double side = 1;         ///< of the surface that is lit
+    Interval mirrored = 1;   ///< the mirrored light's part to the viewer
   };
   struct Bounds {
     Interval scale, highlight;
@@ -105,7 +100,7 @@ class EnclosedLight {
   }
   /// Everywhere within `reach` of `place`.
   Bounds over(const Interval& place, double reach) const {
-    const Interval squared = square_over(normal_, place, reach);
+    const Interval squared = square_of<0>(normal_, place, reach)[0];
     Bounds all = any(material_);
     if (!(squared.lower() > least_square)) return all;
     const Interval inverse = power(squared, -0.5),
@@ -120,12 +115,8 @@ class EnclosedLight {
         dark ? 0 : (material_.specular * power(Interval(mirrored.upper()), material_.exponent)).upper();
     all.highlight = bright ? material_.specular * power(mirrored, material_.exponent) : Interval(0, most);
     constexpr double too_small_to_show = 1e-5;
-    all.kind = {!(light.lower() < 0 && light.upper() > 0),
-                bright && most > too_small_to_show,
-                0,
-                light.lower() < 0 ? -1.0 : 1.0,
-                squared,
-                mirrored};
+    all.kind = {!(light.lower() < 0 && light.upper() > 0), bright && most > too_small_to_show, 0,
+                light.lower() < 0 ? -1.0 : 1.0, mirrored};
     if (!all.kind.highlight) all.kind.missing = most;
     return all;
   }
@@ -133,9 +124,7 @@ class EnclosedLight {
   /// Of a kind that has a series.
   template <int N>
   Light<N> series(const Kind& kind, const Interval& place, double reach) const {
-    Series<N> squared = square_series<N>(normal_, place, reach);
-    squared[0] = intersect(squared[0], kind.squared);
-    const Series<N> inverse = power(squared, -0.5),
+    const Series<N> inverse = power(square_of<N>(normal_, place, reach), -0.5),
                     light = series_of<N>(towards_light_, place, reach) * inverse;
     Light<N> result{light * Interval(kind.side * material_.diffuse), {}};
     result.scale[0] += material_.ambient;

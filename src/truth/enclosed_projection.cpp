@@ -24,13 +24,28 @@ EnclosedPiece either(const EnclosedPiece& one, const EnclosedPiece& other) {
   return all;
 }
 
+/// Adds the place where a cubic's slope turns to those that are between 0 and 1, ascending.
+void cut_where_steepest(std::vector<double>& cuts, const Cubic& cubic) {
+  const double steepest = -cubic.p[2] / (3 * cubic.p[3]);
+  if (steepest > 0 && steepest < 1) cuts.insert(std::ranges::upper_bound(cuts, steepest), steepest);
+}
+
+/// Bernstein's coefficients over [from, to], between which the polynomial is; the first and the last are its
+/// ends, and the mean of all is its own.
+std::array<Interval, 4> bernstein_of(const Polynomial& p, double from, double to) {
+  const auto a = series_of<1>(p, from, 0), b = series_of<1>(p, to, 0);
+  const Interval third = (Interval(to) - from) / 3.0;
+  return {a[0], a[0] + third * a[1], b[0] - third * b[1], b[0]};
+}
+
 class Projector : EnclosedTracer {
  public:
   explicit Projector(const Scene& scene) : EnclosedTracer(scene), shown_(scene.frame.shown) {}
 
   PixelBounds along(Pixel pixel) const {
     return seen_by(pixel, [&](const LatticeRay& ray, const Way& way) {
-      return shown_.mode == Mode::surface ? first_surface(ray, way) : coloured(projected(ray, way), ray, way);
+      if (shown_.mode == Mode::surface) return first_surface(ray, way);
+      return coloured(shown_.mode == Mode::attenuated ? dimmed(ray, way) : projected(ray, way), ray, way);
     });
   }
 
@@ -97,18 +112,97 @@ class Projector : EnclosedTracer {
     return length.lower() > 0 ? clamped(integral / length, met.lower(), met.upper()) : met;
   }
 
+  /// Values along a part of a ray as shares of the colours' window, and what they dim.
+  struct Haze {
+    Polynomial share;
+    Interval depth;  ///< of the whole part, were all shares 1
+    bool sure, in_one_cell;
+  };
+  /// What was seen of a ray from the front.
+  struct Dimmed {
+    Interval depth = 0;
+    double least = 0, most = 0;  ///< between which the most is that is left of a share
+    int pieces_left = 0;         ///< of a cell's passage
+  };
+
+  Interval dimmed(const LatticeRay& ray, const Way& way) const {
+    const TransferFunction& tf = shown_.transfer_function;
+    const double low = tf.colours.front().value, high = tf.colours.back().value;
+    if (!(low < high)) return low;
+    constexpr double most_opacity = 0.999;
+    double densest = 0;
+    for (const auto& point : tf.opacities) densest = std::max(densest, std::min(point.opacity, most_opacity));
+    const Interval dimming = -log_of(1.0 - Interval(densest)), window = Interval(high) - low;
+    Dimmed seen;
+    for_stretches(ray, way, [&](const std::optional<Stretch>& s, const Passage& passage) {
+      if (!s) return true;
+      Haze haze{s->value, dimming * passage.length, s->sure, s->in_one_cell};
+      haze.share[0] -= low;
+      for (Interval& c : haze.share) c /= window;
+      const auto& [p0, p1, p2, p3] = haze.share;
+      const Cubic cubic{{median(p0), median(p1), median(p2), median(p3)}};
+      std::vector<double> cuts = cuts_at_knots(cubic, {0.0, 1.0});
+      cut_where_steepest(cuts, cubic);
+      seen.pieces_left = 1'000;
+      for (std::size_t i = 0; i + 1 < cuts.size(); ++i) look_for_most(haze, cuts[i], cuts[i + 1], seen);
+      return true;
+    });
+    return low + window * Interval(seen.least, seen.most);
+  }
+
+  /// In halves, where more may be left than what surely is.
+  void look_for_most(const Haze& haze, double from, double to, Dimmed& seen) const {
+    const Part part(haze.depth, from, to);
+    const auto [begin, one, other, end] = bernstein_of(haze.share, from, to);
+    // Shares outside of the window count as its ends.
+    const Interval all = hull(hull(begin, one), hull(end, other)), share = clamped(all, 0, 1);
+    const double cut_off = std::max({0.0, -all.lower(), all.upper() - 1});
+    Interval slope = series_of<1>(haze.share, part.middle, part.reach())[1];
+    if (cut_off > 0) slope = hull(slope, Interval(0));
+    const Interval mean = (begin + one + other + end) / 4.0 + within(cut_off);
+    Interval passed = part.length * intersect(mean, share);
+    if (!haze.sure) passed = hull(passed, Interval(0));
+    const Interval behind = seen.depth + passed, light = exp_of(-hull(seen.depth, behind));
+    const auto left = [&](const Interval& value, const Interval& depth) {
+      return clamped(value, 0, 1) * exp_of(-depth);
+    };
+    const Interval first = left(begin, seen.depth), last = left(end, behind),
+                   change = light * (slope - haze.depth * square(share));
+    double most = (share * light).upper();
+    if (haze.sure) {
+      seen.least = std::max({seen.least, first.lower(), last.lower()});
+      // By the mean value theorem; what falls or rises throughout is greatest at an end.
+      const bool falls = change.upper() <= 0, rises = change.lower() >= 0;
+      most = std::min(most, (falls   ? first
+                             : rises ? last
+                                     : first + hull(0.0, 2.0 * part.half) * change)
+                                .upper());
+    }
+    // What is open at a place no halving closes.
+    const double enough = 1e-9 + std::max(width(first), width(last));
+    constexpr double shortest = 1e-8;
+    --seen.pieces_left;
+    if (haze.sure && haze.in_one_cell && most > std::max(seen.least + enough, seen.most) &&
+        to - from > shortest && seen.pieces_left > 0) {
+      look_for_most(haze, from, median(part.middle), seen);
+      return look_for_most(haze, median(part.middle), to, seen);
+    }
+    seen.most = std::max(seen.most, most);
+    seen.depth = behind;
+  }
+
   EnclosedPiece coloured(const Interval& value, const LatticeRay& ray, const Way& way) const {
     const Interval any{0, 1};
     // Whatever was no number proves nothing.
     if (!(value.lower() <= value.upper())) return {{any, any, any}, any};
     auto colours = lines_.over(value);
-    const Interval opacity = colours[EnclosedCurve::opacity];
+    const Interval opacity = shown_.mode == Mode::attenuated ? 1 : colours[EnclosedCurve::opacity];
     if (scene_.is_slice() && tints_.any()) tint_slice(colours, ray, way);
     const auto& [red, green, blue, same_opacity] = colours;
     return {{red * opacity, green * opacity, blue * opacity}, 1.0 - opacity};
   }
 
-  /// By the voxels that may be nearest to where a ray is half through.
+  /// By the voxel nearest to where a ray is half through, if it is sure.
   void tint_slice(EnclosedCurve::Channels& colours, const LatticeRay& ray, const Way& way) const {
     const Interval middle = 0.5 * (way.enter.exact() + way.leave.exact());
     glm::dvec3 low, high;
@@ -118,13 +212,8 @@ class Projector : EnclosedTracer {
       high[k] = place.upper();
     }
     const Cell near{nearest_voxel(low, scene_.grid.dims), nearest_voxel(high, scene_.grid.dims)};
-    const bool few = glm::all(glm::lessThanEqual(near.high - near.low, glm::ivec3(1)));
-    for (std::size_t c = 0; c < EnclosedCurve::opacity; ++c) {
-      Interval all = few ? Interval::empty() : Interval(0, 1);
-      for (int corner = 0; corner < 8; ++corner)
-        all = hull(all, tinted(colours[c], tints_.of(near.corner(corner)), c));
-      colours[c] = all;
-    }
+    for (std::size_t c = 0; c < EnclosedCurve::opacity; ++c)
+      colours[c] = near.low == near.high ? tinted(colours[c], tints_.of(near.low), c) : Interval(0, 1);
   }
 
   struct Search {
@@ -195,18 +284,13 @@ Interval greatest_of(const Polynomial& p) {
     return p[0];
   const Cubic cubic{{median(p[0]), median(p[1]), median(p[2]), median(p[3])}};
   std::vector<double> cuts = monotone_pieces(cubic);
-  const double steepest = -cubic.p[2] / (3 * cubic.p[3]);
-  if (steepest > 0 && steepest < 1) cuts.insert(std::ranges::upper_bound(cuts, steepest), steepest);
+  cut_where_steepest(cuts, cubic);
   double low = -std::numeric_limits<double>::infinity(), high = low;
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-    const auto a = series_of<2>(p, cuts[i], 0), b = series_of<2>(p, cuts[i + 1], 0);
-    const Interval length = Interval(cuts[i + 1]) - cuts[i];
-    // Bernstein's coefficients of the slope have one sign, but for rounding.
-    const Interval slope = hull(hull(a[1], a[1] + length * a[2]), b[1]),
-                   rising = b[0] - length * std::min(0.0, slope.lower()),
-                   falling = a[0] + length * std::max(0.0, slope.upper());
-    low = std::max({low, a[0].lower(), b[0].lower()});
-    high = std::max(high, std::min(rising.upper(), falling.upper()));
+    // Where the slope has one sign and does not turn these lie between the ends, but for rounding.
+    const auto coefficients = bernstein_of(p, cuts[i], cuts[i + 1]);
+    low = std::max({low, coefficients.front().lower(), coefficients.back().lower()});
+    for (const Interval& c : coefficients) high = std::max(high, c.upper());
   }
   return {low, high};
 }

@@ -10,7 +10,7 @@ namespace ringsplat::truth {
 /// The largest of a polynomial's values over [0, 1].
 Interval greatest_of(const Polynomial& p);
 
-/// certified_bounds() in modes that show a ray's extremum, mean, integral or first surface. No clip box.
+/// certified_bounds() in all modes but compositing. No clip box.
 std::vector<PixelBounds> projected_bounds(const Scene& scene, std::span<const Pixel> pixels);
 
 }  // namespace ringsplat::truth
