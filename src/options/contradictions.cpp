@@ -104,8 +104,7 @@ const Rule all_rules[] = {
     {"--mask-as", needs, "--mask", "name the segmentation by --mask FILE"},
     {"--mask-as=tint --mask-as=outline", excludes,
      "--channel=several --engine=splats --quality=paper --mode=mip --mode=attenuated --mode=minip "
-     "--mode=mean --mode=sum "
-     "--mode=surface --values",
+     "--mode=mean --mode=sum --mode=surface --values",
      "only light through sheets, and slices, are tinted: leave one out"},
     {"--slice", excludes,
      "--clip --clip-plane --mode --view --azimuth --elevation --matrix --eye --target --projection --orbit "

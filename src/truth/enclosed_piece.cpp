@@ -38,17 +38,16 @@ Densities<N> densities(const CellMedium& medium, const Extremes& e, const Enclos
                        const Part& part, double reach) {
   const Series<N> value = series_of<N>(medium.value, part.middle, reach);
   const auto of_curve = [&](std::size_t channel) {
+    const bool is_tinted = channel != EnclosedCurve::opacity && medium.tint.w != 0;
     Series<N> s = value * line.slope[channel];
+    if (is_tinted) s = s * (1.0 - Interval(medium.tint.w));
     s[0] = line.at(channel, value[0]);
-    if (channel == EnclosedCurve::opacity || medium.tint.w == 0) return s;
-    const Interval whole = tinted(s[0], medium.tint, channel);
-    s = s * (1.0 - Interval(medium.tint.w));
-    s[0] = whole;
+    if (is_tinted) s[0] = tinted(s[0], medium.tint, channel);
     return s;
   };
   Densities<N> made;
   made.depth = extinction_of(of_curve(EnclosedCurve::opacity)) * part.passage_length;
-  if (e.edge.share.lower() < 1) made.depth = made.depth * medium.edge->series<N>(e.edge, part.middle, reach);
+  if (e.share.lower() < 1) made.depth = made.depth * medium.edge->series<N>(e.share, part.middle, reach);
   const Series<N> seen = seen_through_itself(made.depth, made.depth[0] * within(reach));
   EnclosedLight::Light<N> light;
   if (medium.light) light = medium.light->series<N>(e.light.kind, part.middle, reach);
@@ -122,7 +121,7 @@ Extremes extremes_of(const EnclosedCurve& lines, const CellMedium& medium, const
   for (std::size_t c = 0; c < EnclosedCurve::opacity; ++c)
     e.of_curve[c] = tinted(e.of_curve[c], medium.tint, c);
   if (medium.light) e.light = medium.light->over(part.middle, part.reach());
-  if (medium.edge) e.edge = medium.edge->over(part.middle, part.reach());
+  if (medium.edge) e.share = medium.edge->over(part.middle, part.reach());
   return e;
 }
 
@@ -135,8 +134,8 @@ EnclosedPiece between(const Extremes& e, const Part& part) {
     const Interval depth = extinction_of(Interval(opaque)) * part.length;
     return exp_of(-(share < 1 ? depth * share : depth));
   };
-  piece.transmittance = {through(opacity.upper(), e.edge.share.upper()).lower(),
-                         std::min(1.0, through(opacity.lower(), e.edge.share.lower()).upper())};
+  piece.transmittance = {through(opacity.upper(), e.share.upper()).lower(),
+                         std::min(1.0, through(opacity.lower(), e.share.lower()).upper())};
   piece.mean_of.emplace();
   for (std::size_t c = 0; c < 3; ++c) {
     (*piece.mean_of)[c] = clamped(e.lit(c), 0, 1);
@@ -148,7 +147,9 @@ EnclosedPiece between(const Extremes& e, const Part& part) {
 std::optional<EnclosedPiece> expanded(const EnclosedCurve& lines, const CellMedium& medium, const Extremes& e,
                                       const Part& part) {
   constexpr double most_opacity = 0.9999;
-  if (!e.light.kind.smooth || !e.edge.smooth || !(e.opacity().upper() < most_opacity)) return std::nullopt;
+  if (!e.light.kind.smooth || !(e.opacity().upper() < most_opacity)) return std::nullopt;
+  const bool on_ramp = e.share.lower() > 0 && e.share.upper() < 1;
+  if (!on_ramp && e.share.lower() < 1) return std::nullopt;
   for (std::size_t c = 0; c < 3; ++c)
     if (e.lit(c).lower() < 1 && e.lit(c).upper() > 1) return std::nullopt;
   const std::size_t on = lines.line_of(median(e.value));

@@ -29,29 +29,24 @@ Series<N> square_of(const EnclosedNormal& normal, const Interval& place, double 
 /// What gradients leave of extinction (Gradients::left_at_edge) along a ray's way through a cell.
 class EnclosedEdge {
  public:
-  struct Bounds {
-    Interval share = 1;
-    bool smooth = true;  ///< has a series
-  };
   EnclosedEdge(const EdgeOpacity& edges, double unit, const EnclosedNormal& normal)
       : normal_(normal),
         from_(edges.from),
         ramp_(Interval(edges.to) - from_),
         scale_(Interval(1) / (unit * (1.0 + within(rounding)) * ramp_)) {}
 
-  Bounds over(const Interval& place, double reach) const {
+  /// The share that is left.
+  Interval over(const Interval& place, double reach) const {
     const Interval squared = square_of<0>(normal_, place, reach)[0],
-                   least = power(max(squared, Interval(least_square)), 0.5),
-                   steep{squared.lower() > least_square ? least.lower() : 0, least.upper()},
-                   share = steep * scale_ - from_ / ramp_;
-    const bool on_ramp = squared.lower() > least_square && share.lower() >= 0 && share.upper() <= 1;
-    return {clamped(share, 0, 1), on_ramp || share.lower() >= 1};
+                   root = power(max(squared, Interval(least_square)), 0.5),
+                   steepness{squared.lower() > least_square ? root.lower() : 0, root.upper()};
+    return clamped(steepness * scale_ - from_ / ramp_, 0, 1);
   }
-  /// Where all is on the ramp.
+  /// Where `all`, the share of the piece, is on the ramp.
   template <int N>
-  Series<N> series(const Bounds& bounds, const Interval& place, double reach) const {
+  Series<N> series(const Interval& all, const Interval& place, double reach) const {
     Series<N> share = power(square_of<N>(normal_, place, reach), 0.5) * scale_;
-    share[0] = intersect(share[0] - from_ / ramp_, bounds.share);
+    share[0] = intersect(share[0] - from_ / ramp_, all);
     return share;
   }
 
@@ -196,7 +191,7 @@ struct Extremes {
   Interval value;
   EnclosedCurve::Channels of_curve;
   EnclosedLight::Bounds light{Interval(1), Interval(0), {true, false, 0, 1}};
-  EnclosedEdge::Bounds edge = {};
+  Interval share = 1;  ///< of extinction that gradients leave
   const Interval& opacity() const { return of_curve[EnclosedCurve::opacity]; }
   /// May be above 1, which is then shown as 1.
   Interval lit(std::size_t channel) const { return of_curve[channel] * light.scale + light.highlight; }

@@ -24,6 +24,8 @@ EnclosedPiece either(const EnclosedPiece& one, const EnclosedPiece& other) {
   return all;
 }
 
+Cubic middle_of(const Polynomial& p) { return {{median(p[0]), median(p[1]), median(p[2]), median(p[3])}}; }
+
 /// Adds the place where a cubic's slope turns to those that are between 0 and 1, ascending.
 void cut_where_steepest(std::vector<double>& cuts, const Cubic& cubic) {
   const double steepest = -cubic.p[2] / (3 * cubic.p[3]);
@@ -112,12 +114,6 @@ class Projector : EnclosedTracer {
     return length.lower() > 0 ? clamped(integral / length, met.lower(), met.upper()) : met;
   }
 
-  /// Values along a part of a ray as shares of the colours' window, and what they dim.
-  struct Haze {
-    Polynomial share;
-    Interval depth;  ///< of the whole part, were all shares 1
-    bool sure, in_one_cell;
-  };
   /// What was seen of a ray from the front.
   struct Dimmed {
     Interval depth = 0;
@@ -136,56 +132,55 @@ class Projector : EnclosedTracer {
     Dimmed seen;
     for_stretches(ray, way, [&](const std::optional<Stretch>& s, const Passage& passage) {
       if (!s) return true;
-      Haze haze{s->value, dimming * passage.length, s->sure, s->in_one_cell};
-      haze.share[0] -= low;
-      for (Interval& c : haze.share) c /= window;
-      const auto& [p0, p1, p2, p3] = haze.share;
-      const Cubic cubic{{median(p0), median(p1), median(p2), median(p3)}};
+      Stretch shares = *s;
+      shares.value[0] -= low;
+      for (Interval& c : shares.value) c /= window;
+      const Cubic cubic = middle_of(shares.value);
       std::vector<double> cuts = cuts_at_knots(cubic, {0.0, 1.0});
       cut_where_steepest(cuts, cubic);
       seen.pieces_left = 1'000;
-      for (std::size_t i = 0; i + 1 < cuts.size(); ++i) look_for_most(haze, cuts[i], cuts[i + 1], seen);
+      for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
+        look_for_most(shares, dimming * passage.length, cuts[i], cuts[i + 1], seen);
       return true;
     });
     return low + window * Interval(seen.least, seen.most);
   }
 
   /// In halves, where more may be left than what surely is.
-  void look_for_most(const Haze& haze, double from, double to, Dimmed& seen) const {
-    const Part part(haze.depth, from, to);
-    const auto [begin, one, other, end] = bernstein_of(haze.share, from, to);
+  /// `shares`: of the colours' window; `dense`: the depth of all of it, were they 1.
+  void look_for_most(const Stretch& shares, const Interval& dense, double from, double to,
+                     Dimmed& seen) const {
+    const Part part(dense, from, to);
+    const auto [begin, one, other, end] = bernstein_of(shares.value, from, to);
     // Shares outside of the window count as its ends.
     const Interval all = hull(hull(begin, one), hull(end, other)), share = clamped(all, 0, 1);
     const double cut_off = std::max({0.0, -all.lower(), all.upper() - 1});
-    Interval slope = series_of<1>(haze.share, part.middle, part.reach())[1];
+    Interval slope = series_of<1>(shares.value, part.middle, part.reach())[1];
     if (cut_off > 0) slope = hull(slope, Interval(0));
     const Interval mean = (begin + one + other + end) / 4.0 + within(cut_off);
     Interval passed = part.length * intersect(mean, share);
-    if (!haze.sure) passed = hull(passed, Interval(0));
+    if (!shares.sure) passed = hull(passed, Interval(0));
     const Interval behind = seen.depth + passed, light = exp_of(-hull(seen.depth, behind));
     const auto left = [&](const Interval& value, const Interval& depth) {
       return clamped(value, 0, 1) * exp_of(-depth);
     };
     const Interval first = left(begin, seen.depth), last = left(end, behind),
-                   change = light * (slope - haze.depth * square(share));
+                   change = light * (slope - dense * square(share));
     double most = (share * light).upper();
-    if (haze.sure) {
+    if (shares.sure) {
       seen.least = std::max({seen.least, first.lower(), last.lower()});
-      // By the mean value theorem; what falls or rises throughout is greatest at an end.
-      const bool falls = change.upper() <= 0, rises = change.lower() >= 0;
-      most = std::min(most, (falls   ? first
-                             : rises ? last
-                                     : first + hull(0.0, 2.0 * part.half) * change)
-                                .upper());
+      // By the mean value theorem; what rises throughout is greatest at its end.
+      const Interval greatest = change.lower() >= 0 ? last : first + hull(0.0, 2.0 * part.half) * change;
+      most = std::min(most, greatest.upper());
     }
     // What is open at a place no halving closes.
     const double enough = 1e-9 + std::max(width(first), width(last));
     constexpr double shortest = 1e-8;
     --seen.pieces_left;
-    if (haze.sure && haze.in_one_cell && most > std::max(seen.least + enough, seen.most) &&
+    if (shares.sure && shares.in_one_cell && most > std::max(seen.least + enough, seen.most) &&
         to - from > shortest && seen.pieces_left > 0) {
-      look_for_most(haze, from, median(part.middle), seen);
-      return look_for_most(haze, median(part.middle), to, seen);
+      look_for_most(shares, dense, from, median(part.middle), seen);
+      return look_for_most(shares, dense, median(part.middle), to, seen);
     }
     seen.most = std::max(seen.most, most);
     seen.depth = behind;
@@ -204,16 +199,12 @@ class Projector : EnclosedTracer {
 
   /// By the voxel nearest to where a ray is half through, if it is sure.
   void tint_slice(EnclosedCurve::Channels& colours, const LatticeRay& ray, const Way& way) const {
-    const Interval middle = 0.5 * (way.enter.exact() + way.leave.exact());
-    glm::dvec3 low, high;
-    for (int k = 0; k < 3; ++k) {
-      const Interval place = Interval(ray.origin[k]) + middle * ray.step[k] + within(tube);
-      low[k] = place.lower();
-      high[k] = place.upper();
-    }
-    const Cell near{nearest_voxel(low, scene_.grid.dims), nearest_voxel(high, scene_.grid.dims)};
+    const glm::dvec3 place = ray.at(0.5 * (way.enter.at + way.leave.at)),
+                     by = 2 * tube + 0.5 * (way.enter.by + way.leave.by) * glm::abs(ray.step);
+    const glm::ivec3 voxel = nearest_voxel(place - by, scene_.grid.dims);
+    const bool sure = voxel == nearest_voxel(place + by, scene_.grid.dims);
     for (std::size_t c = 0; c < EnclosedCurve::opacity; ++c)
-      colours[c] = near.low == near.high ? tinted(colours[c], tints_.of(near.low), c) : Interval(0, 1);
+      colours[c] = sure ? tinted(colours[c], tints_.of(voxel), c) : Interval(0, 1);
   }
 
   struct Search {
@@ -280,9 +271,7 @@ class Projector : EnclosedTracer {
 }  // namespace
 
 Interval greatest_of(const Polynomial& p) {
-  if (std::all_of(p.begin() + 1, p.end(), [](const Interval& c) { return c.lower() == 0 && c.upper() == 0; }))
-    return p[0];
-  const Cubic cubic{{median(p[0]), median(p[1]), median(p[2]), median(p[3])}};
+  const Cubic cubic = middle_of(p);
   std::vector<double> cuts = monotone_pieces(cubic);
   cut_where_steepest(cuts, cubic);
   double low = -std::numeric_limits<double>::infinity(), high = low;

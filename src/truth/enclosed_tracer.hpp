@@ -61,7 +61,7 @@ class EnclosedTracer : protected Tracer {
   /// Where a ray runs along a face, or along an edge, what is on the other side counts as well.
   bool beside_other_medium(const LatticeRay& ray, const Passage& passage) const {
     if (!scene_.nearest() && passage.beside > 0 && !values_around(passage)) return true;
-    if (!scene_.nearest() && !beside_other_tint(passage)) return false;
+    if (!scene_.nearest() && !(tints_.any() && beside_other_tint(passage))) return false;
     for (int k = 0; k < 3; ++k) {
       if (!may_run_along_faces(ray.step[k])) continue;
       for (const double s : {passage.enter, passage.leave}) {
@@ -95,10 +95,9 @@ class EnclosedTracer : protected Tracer {
   }
   bool beside_other_tint(const Passage& passage) const {
     bool other = false;
-    if (tints_.any())
-      for_voxels_around(passage, [&](const glm::ivec3& voxel) {
-        other = other || tints_.of(voxel) != tints_.of(passage.voxel);
-      });
+    for_voxels_around(passage, [&](const glm::ivec3& voxel) {
+      other = other || tints_.of(voxel) != tints_.of(passage.voxel);
+    });
     return other;
   }
 

@@ -24,17 +24,15 @@ class FieldIntegrator : Tracer {
     const LatticeRay ray = rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return Rgba(0.0);
     if (scene_.frame.shown.mode == Mode::surface) return first_surface(ray);
-    if (scene_.frame.shown.mode == Mode::attenuated) {
-      const double value = dimmed(ray);
-      return Rgba(scene_.frame.shown.values ? glm::dvec3(value) : curve_.at(value).colour, 1);
-    }
     if (scene_.frame.shown.mode != Mode::composite) {
-      const double value = projected(ray);
+      const bool attenuated = scene_.frame.shown.mode == Mode::attenuated;
+      const double value = attenuated ? dimmed(ray) : projected(ray);
       if (scene_.frame.shown.values) return Rgba(glm::dvec3(value), 1);
       const auto sample = curve_.at(value);
+      const double opacity = attenuated ? 1 : sample.opacity;
       glm::dvec3 colour = sample.colour;
       if (scene_.is_slice()) colour = tints_.on(colour, ray.at(0.5 * (ray.enter + ray.leave)));
-      return Rgba(colour * sample.opacity, sample.opacity);
+      return Rgba(colour * opacity, opacity);
     }
     Piece seen;
     for (const Crossing& crossing : crossings(ray)) {

@@ -34,21 +34,6 @@ Height height_above(const CutPlane& plane, const LatticeRay& ray) {
   return height;
 }
 
-/// Adds where clip planes cut a ray that is cut at the volume's ends and at voxels.
-void add_planes(Way& way, const LatticeRay& ray, std::span<const CutPlane> planes) {
-  const Uncertain first = way.cuts.front(), last = way.cuts.back();
-  for (const CutPlane& plane : planes) {
-    const Height height = height_above(plane, ray);
-    const Interval all = height.here + height.rise * hull(first.exact(), last.exact());
-    if (all.lower() > 0) continue;
-    if (all.upper() < 0) return way.cuts.clear();
-    if (const auto cut = plane_crossing(ray, plane))
-      way.cuts.insert(std::ranges::upper_bound(way.cuts, cut->at, {}, &Uncertain::at), *cut);
-    else
-      way.along_plane = true;
-  }
-}
-
 }  // namespace
 
 std::optional<Uncertain> plane_crossing(const LatticeRay& ray, const CutPlane& plane) {
@@ -69,8 +54,17 @@ Way way_along(const Scene& scene, const LatticeRay& ray, std::span<const CutPlan
     else
       cuts.push_back({at, may_run_along_faces(ray.step[*axis]) ? 0 : tube / std::abs(ray.step[*axis])});
   }
-  add_planes(way, ray, planes);
-  if (cuts.empty()) return way;
+  const Interval whole = hull(cuts.front().exact(), cuts.back().exact());
+  for (const CutPlane& plane : planes) {
+    const Height height = height_above(plane, ray);
+    const Interval all = height.here + height.rise * whole;
+    if (all.upper() < 0) return {};
+    if (all.lower() > 0) continue;
+    if (const auto cut = plane_crossing(ray, plane))
+      cuts.insert(std::ranges::upper_bound(cuts, cut->at, {}, &Uncertain::at), *cut);
+    else
+      way.along_plane = true;
+  }
   // Of three planes at one place as well, and of clip planes, each may be crossed first.
   for (std::size_t round = 0; round < 2 + planes.size(); ++round)
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
