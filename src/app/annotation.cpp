@@ -19,56 +19,32 @@ namespace ringsplat::app {
 namespace {
 
 /// Lays out one picture's annotations.
-class Sheet {
+class Sheet : public Drawing {
  public:
   Sheet(int width, int height, bool dark_ink)
-      : width_(width),
-        height_(height),
-        letter_(std::max(least_letter, static_cast<int>(std::lround(std::min(width, height) / 34.0)))),
-        ink_(dark_ink ? 0.0 : 1.0),
-        halo_(1.0 - ink_) {}
+      : Drawing(width, height, dark_ink), width_(width), height_(height) {}
 
-  /// The nominal height of letters, from which all sizes follow.
-  double letter() const { return letter_; }
-  double margin() const { return 0.8 * letter_; }
+  double margin() const { return 0.8 * letter(); }
   double width() const { return width_; }
   double height() const { return height_; }
-  glm::dvec3 ink() const { return ink_; }
 
-  /// A text whose middle lies `across` (0: at its left end, 1: at its right one) and at the given height.
-  void text(const std::string& text, const glm::dvec2& place, double across, double size = 1) {
-    Mask mask = text_mask(text, static_cast<int>(std::lround(size * letter_)));
-    mask.x = static_cast<int>(std::lround(place.x - across * mask.width));
-    mask.y = static_cast<int>(std::lround(place.y - 0.5 * mask.height));
-    add(mask, ink_);
-  }
-  void line(const glm::dvec2& from, const glm::dvec2& to, const glm::dvec3& ink, double thickness = 0.12) {
-    add(line_mask(from, to, std::max(1.0, thickness * letter_)), ink);
-  }
-  void add(const Mask& mask, const glm::dvec3& ink) {
-    add(inked(mask, ink, halo_, std::max(1.0, 0.1 * letter_)));
-  }
-  void add(Patch patch) { new_.push_back(std::move(patch)); }
-
-  /// Keeps what was added since the last call, if it lies in the picture and on nothing that was kept.
+  /// Keeps what was drawn since the last call, if it lies in the picture and on nothing that was kept.
   void keep_if_free() {
-    const bool free = std::all_of(new_.begin(), new_.end(), [&](const Patch& p) {
+    const bool free = std::all_of(drawn.begin(), drawn.end(), [&](const Patch& p) {
       const bool inside = p.x >= 0 && p.y >= 0 && p.x + p.width <= width_ && p.y + p.height <= height_;
       return inside && std::none_of(kept_.begin(), kept_.end(), [&](const Patch& k) {
                return p.x < k.x + k.width && k.x < p.x + p.width && p.y < k.y + k.height &&
                       k.y < p.y + p.height;
              });
     });
-    if (free) std::move(new_.begin(), new_.end(), std::back_inserter(kept_));
-    new_.clear();
+    if (free) std::move(drawn.begin(), drawn.end(), std::back_inserter(kept_));
+    drawn.clear();
   }
   Overlay take() { return std::move(kept_); }
 
  private:
-  static constexpr int least_letter = 10;  ///< smaller ones cannot be read
-  int width_, height_, letter_;
-  glm::dvec3 ink_, halo_;
-  Overlay kept_, new_;
+  int width_, height_;
+  Overlay kept_;
 };
 
 void add_letters(Sheet& sheet, const ViewTransform& view) {
@@ -146,7 +122,7 @@ void add_colours(Sheet& sheet, Patch patch, const TransferFunction& tf, const Da
                                           {patch.x + patch.width, patch.y + patch.height},
                                           {patch.x, patch.y + patch.height}};
   for (std::size_t k = 0; k < 4; ++k) sheet.line(corners[k], corners[(k + 1) % 4], sheet.ink(), 0.08);
-  sheet.add(std::move(patch));
+  sheet.drawn.push_back(std::move(patch));
 }
 
 /// At the right side, from above down to `bottom`.

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <glm/geometric.hpp>
@@ -24,38 +23,21 @@ double distance_to_segment(const glm::dvec2& p, const glm::dvec2& a, const glm::
   return glm::distance(p, a + t * along);
 }
 
-/// The weights of a disc's pixels, whose rim is soft by one pixel.
-struct Disc {
-  explicit Disc(double radius) : reach(static_cast<int>(std::ceil(radius))) {
-    for (int y = -reach; y <= reach; ++y)
-      for (int x = -reach; x <= reach; ++x) {
-        const double weight = std::clamp(radius + 0.5 - std::hypot(x, y), 0.0, 1.0);
-        if (weight > 0) parts.push_back({x, y, float(weight)});
-      }
-  }
-  struct Part {
-    int x, y;
-    float weight;
-  };
-  int reach;
-  std::vector<Part> parts;
-};
-
 /// What a disc covers whose centre goes over all of the mask.
 Mask grown(const Mask& mask, double radius) {
-  const Disc disc(radius);
-  const int r = disc.reach;
+  const int r = static_cast<int>(std::ceil(radius));
+  const Mask disc = line_mask(glm::dvec2(0.5), glm::dvec2(0.5), 2 * radius);
   Mask wide{mask.x - r, mask.y - r, mask.width + 2 * r, mask.height + 2 * r, {}};
   wide.coverage.resize(std::size_t(wide.width) * std::size_t(wide.height));
   for (int y = 0; y < mask.height; ++y)
     for (int x = 0; x < mask.width; ++x) {
-      const float covered = mask.coverage[std::size_t(y) * std::size_t(mask.width) + std::size_t(x)];
+      const float covered = mask.coverage[mask.place(x, y)];
       if (covered <= 0) continue;
-      for (const auto& [dx, dy, weight] : disc.parts) {
-        float& there =
-            wide.coverage[std::size_t(y + r + dy) * std::size_t(wide.width) + std::size_t(x + r + dx)];
-        there = std::max(there, covered * weight);
-      }
+      for (int dy = -r; dy <= r; ++dy)
+        for (int dx = -r; dx <= r; ++dx) {
+          float& there = wide.coverage[wide.place(x + r + dx, y + r + dy)];
+          there = std::max(there, covered * disc.coverage[disc.place(dx - disc.x, dy - disc.y)]);
+        }
     }
   return wide;
 }
@@ -130,14 +112,31 @@ Patch inked(const Mask& mask, const glm::dvec3& ink, const glm::dvec3& halo, dou
     for (int x = 0; x < wide.width; ++x) {
       const int mx = x + wide.x - mask.x, my = y + wide.y - mask.y;
       const bool inside = mx >= 0 && my >= 0 && mx < mask.width && my < mask.height;
-      const float in =
-          inside ? mask.coverage[std::size_t(my) * std::size_t(mask.width) + std::size_t(mx)] : 0.0F;
-      const float around =
-          (1 - in) * wide.coverage[std::size_t(y) * std::size_t(wide.width) + std::size_t(x)];
+      const float in = inside ? mask.coverage[mask.place(mx, my)] : 0.0F;
+      const float around = (1 - in) * wide.coverage[wide.place(x, y)];
       for (int c = 0; c < 3; ++c) patch.rgba.push_back(in * float(ink[c]) + around * float(halo[c]));
       patch.rgba.push_back(in + around);
     }
   return patch;
+}
+
+Drawing::Drawing(int width, int height, bool dark_ink)
+    : letter_(std::max(10, static_cast<int>(std::lround(std::min(width, height) / 34.0)))),  // or unreadable
+      ink_(dark_ink ? 0.0 : 1.0) {}
+
+void Drawing::text(const std::string& text, const glm::dvec2& place, double across, double size) {
+  Mask mask = text_mask(text, static_cast<int>(std::lround(size * letter_)));
+  mask.x = static_cast<int>(std::lround(place.x - across * mask.width));
+  mask.y = static_cast<int>(std::lround(place.y - 0.5 * mask.height));
+  add(mask, ink_);
+}
+
+void Drawing::line(const glm::dvec2& from, const glm::dvec2& to, const glm::dvec3& ink, double thickness) {
+  add(line_mask(from, to, std::max(1.0, thickness * letter_)), ink);
+}
+
+void Drawing::add(const Mask& mask, const glm::dvec3& ink) {
+  drawn.push_back(inked(mask, ink, 1.0 - ink_, std::max(1.0, 0.1 * letter_)));
 }
 
 void lay_over(const Overlay& overlay, int width, int height, int channels, std::span<std::uint8_t> display) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -13,6 +14,9 @@ namespace ringsplat {
 struct Mask {
   int x = 0, y = 0, width = 0, height = 0;  ///< in the picture, whose pixels count from its upper left corner
   std::vector<float> coverage;
+  std::size_t place(int column, int row) const {
+    return std::size_t(row) * std::size_t(width) + std::size_t(column);
+  }
 };
 
 /// A rectangle of premultiplied display (sRGB) values, RGBA.
@@ -30,6 +34,28 @@ Mask line_mask(const glm::dvec2& from, const glm::dvec2& to, double thickness);
 
 /// The mask in `ink`, above a halo in another colour that reaches so many pixels beyond it.
 Patch inked(const Mask& mask, const glm::dvec3& ink, const glm::dvec3& halo, double halo_pixels);
+
+/// Text and lines for one picture, all in sizes that follow from its shorter side.
+class Drawing {
+ public:
+  Drawing(int width, int height, bool dark_ink);
+
+  /// The nominal height of letters.
+  double letter() const { return letter_; }
+  glm::dvec3 ink() const { return ink_; }
+  /// A text whose middle lies `across` (0: at its left end, 1: at its right one) and at the given height.
+  void text(const std::string& text, const glm::dvec2& place, double across, double size = 1);
+  /// `thickness`: in letters.
+  void line(const glm::dvec2& from, const glm::dvec2& to, const glm::dvec3& ink, double thickness = 0.12);
+
+  Overlay drawn;
+
+ private:
+  void add(const Mask& mask, const glm::dvec3& ink);
+
+  int letter_;
+  glm::dvec3 ink_;
+};
 
 /// Lays patches over a picture. The first takes display values of 8 bits with 3 channels, or 4 of which the
 /// last is straight alpha; the second linear light, premultiplied when there are 4 channels.

@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 #include <optional>
+#include <utility>
 
 #include "frame/frame_geometry.hpp"
 
@@ -43,17 +43,10 @@ std::string angle_text(const glm::dvec3& a, const glm::dvec3& b) {
 Overlay ruler_overlay(const Ruler& ruler, const Shown& shown, const Grid& grid, const std::string& unit,
                       const glm::dvec3& background) {
   const ViewTransform view = make_view(shown.camera, lattice_frame(grid), shown.width, shown.height);
-  const int letter = std::max(10, std::min(shown.width, shown.height) / 34);
-  const glm::dvec3 ink(glm::dot(background, glm::dvec3(0.299, 0.587, 0.114)) > 0.55 ? 0.0 : 1.0);
-  Overlay overlay;
-  const auto draw = [&](const Mask& mask) {
-    overlay.push_back(inked(mask, ink, 1.0 - ink, std::max(1.0, 0.1 * letter)));
-  };
+  const bool dark_ink = glm::dot(background, glm::dvec3(0.299, 0.587, 0.114)) > 0.55;
+  Drawing drawing(shown.width, shown.height, dark_ink);
   const auto write = [&](const std::string& words, const glm::dvec2& beside) {
-    Mask text = text_mask(words, letter);
-    text.x = int(beside.x) + letter / 2;
-    text.y = int(beside.y) - text.height - letter / 2;
-    draw(text);
+    drawing.text(words, beside + drawing.letter() * glm::dvec2(0.5, -1), 0);
   };
   std::vector<glm::dvec3> ways;
   for (std::size_t k = 1; k < ruler.size(); ++k) {
@@ -62,12 +55,12 @@ Overlay ruler_overlay(const Ruler& ruler, const Shown& shown, const Grid& grid, 
     if (!std::isfinite(view.magnification(from)) || !std::isfinite(view.magnification(to))) continue;
     const auto line = within({view.seen_at(from), view.seen_at(to)}, {shown.width, shown.height});
     if (!line) continue;
-    draw(line_mask(line->from, line->to, std::max(1.0, 0.12 * letter)));
+    drawing.line(line->from, line->to, drawing.ink());
     write(fmt::format("{:.5g} {}", glm::length(ways.back()), unit.empty() ? "units" : unit),
           0.5 * (line->from + line->to));
     if (ways.size() == 2) write(angle_text(-ways[0], ways[1]), line->from);
   }
-  return overlay;
+  return std::move(drawing.drawn);
 }
 
 }  // namespace ringsplat::serve
