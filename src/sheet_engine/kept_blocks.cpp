@@ -8,7 +8,7 @@
 namespace ringsplat {
 
 KeptShelf::KeptShelf(int slices, int blocks, int renderers, int planes, int gp, int gps)
-    : words_((std::size_t(blocks) + 63) / 64),
+    : blocks_(blocks),
       renderers_(renderers),
       planes_(planes),
       next_(gp),
@@ -25,10 +25,10 @@ std::uint16_t KeptShelf::plane_of(int slice) {
   return plane;
 }
 
-std::span<std::uint64_t> KeptShelf::held(int slice, int renderer) {
+std::vector<bool>& KeptShelf::held(int slice, int renderer) {
   auto& of_slice = held_[std::size_t(slice)];
-  if (of_slice.empty()) of_slice.resize(std::size_t(renderers_) * words_);
-  return std::span(of_slice).subspan(std::size_t(renderer) * words_, words_);
+  if (of_slice.empty()) of_slice.assign(std::size_t(renderers_), std::vector<bool>(std::size_t(blocks_)));
+  return of_slice[std::size_t(renderer)];
 }
 
 KeptBlocks::OfFrame KeptBlocks::begin_frame(const SheetFrame& frame, const ValueScale& scale) {
@@ -67,7 +67,6 @@ void KeptBlocks::free_for(std::uint64_t bytes) {
     }
     if (oldest == nullptr || (in_use < shelves_.size() && taken + bytes <= limit_)) return;
     oldest->blocks = nullptr;
-    oldest->bytes = 0;
   }
 }
 

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include "ringsplat/volume/voxel_box.hpp"
@@ -18,15 +17,14 @@ class KeptShelf {
   KeptShelf(int slices, int blocks, int renderers, int planes, int gp, int gps);
   /// The number of the plane that Renderers keep a slice in; the first slices that ask get one.
   std::uint16_t plane_of(int slice);
-  /// A bit for each block of a slice: whether the Renderer holds its voxels.
-  std::span<std::uint64_t> held(int slice, int renderer);
+  /// By block of a slice: whether the Renderer holds its voxels.
+  std::vector<bool>& held(int slice, int renderer);
 
  private:
-  std::size_t words_;  ///< of a slice's blocks
-  int renderers_, planes_, next_, gps_;
+  int blocks_, renderers_, planes_, next_, gps_;
   std::vector<std::uint16_t> plane_of_;  ///< by slice
-  /// By slice: [renderer][word]; empty until it is asked for, as those of other GPs' slices stay.
-  std::vector<std::vector<std::uint64_t>> held_;
+  /// By slice, Renderer and block; empty until it is asked for, as those of other GPs' slices stay.
+  std::vector<std::vector<std::vector<bool>>> held_;
 };
 
 /// What a GP lets the Renderers keep. Scalars do not depend on the view: a Renderer that has been sent a

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
-#include <limits>
 #include <numeric>
 
 #include "base/process.hpp"
@@ -79,22 +78,15 @@ void ScalarPlanes::begin_frame(int width, int height, int slots, const PlaneCode
   rows_ = CellRanges::blocks_along(height);
   pitch_ = pitch_for(width);
   plane_bytes_ = plane_bytes(width, height, code);
-  const std::size_t bytes = plane_bytes_ * std::size_t(slots);
-  if (memory_.size() != bytes) {
-    memory_.clear();
-    memory_.shrink_to_fit();
-    memory_.reserve(bytes);
-    prefer_huge_pages(memory_.data(), bytes);
-  }
-  memory_.assign(bytes, std::byte{0});
-  slots_hold_.assign(std::size_t(slots), {});
-  for (Slot& slot : slots_hold_) slot.holds.assign(blocks(), unknown);
+  empty(passing_);
+  passing_.slots.resize(std::size_t(slots));
 }
 
 ScalarPlanes::PlaneMemory ScalarPlanes::memory_of_step(int step) {
   const auto at = std::size_t(step + 1);
-  if (at < plane_of_step_.size() && plane_of_step_[at] != no_plane) return kept_plane(plane_of_step_[at]);
-  return {memory_.data() + slot_of(step) * plane_bytes_, slots_hold_[slot_of(step)]};
+  if (at < plane_of_step_.size() && plane_of_step_[at] != no_plane)
+    return plane_on(shelves_[shelf_->shelf], plane_of_step_[at]);
+  return plane_on(passing_, at % std::size_t(slots_));
 }
 
 template <class Number>
@@ -152,8 +144,7 @@ std::vector<std::byte> ScalarPlanes::memory_of_planes() {
   return memory;
 }
 
-ScalarPlanes::PlaneMemory ScalarPlanes::kept_plane(std::size_t plane) {
-  Shelf& shelf = shelves_[shelf_->shelf];
+ScalarPlanes::PlaneMemory ScalarPlanes::plane_on(Shelf& shelf, std::size_t plane) {
   if (plane >= shelf.slots.size()) shelf.slots.resize(plane + 1);
   Slot& slot = shelf.slots[plane];
   if (slot.holds.empty()) slot.holds.assign(blocks(), unknown);
@@ -201,7 +192,6 @@ void ScalarPlanes::for_labels(const PlaneMemory& place, std::uint32_t block, aut
   });
 }
 
-template <class Number>
 void ScalarPlanes::fill(const PlaneMemory& place, std::uint32_t block, std::uint8_t with) {
   Slot& slot = place.slot;
   if (slot.holds[block] == with) return;
@@ -211,18 +201,18 @@ void ScalarPlanes::fill(const PlaneMemory& place, std::uint32_t block, std::uint
   });
   if (stays) return;
   slot.holds[block] = with;
-  const Number number =
-      with == BlockState::not_a_number && !code_.floats ? Number{} : coded<Number>(code_, fillers_[with]);
-  for_rows(block, [&, voxels_of = origin<Number>(place.memory)](std::ptrdiff_t at, int count) {
-    std::fill_n(voxels_of + at, count, number);
+  with_number([&](auto number) {
+    if (with != BlockState::not_a_number || code_.floats)
+      number = coded<decltype(number)>(code_, fillers_[with]);
+    auto* const plane = origin<decltype(number)>(place.memory);
+    for_rows(block, [&](std::ptrdiff_t at, int count) { std::fill_n(plane + at, count, number); });
   });
   note_change(block);
 }
 
-template <class Number>
 void ScalarPlanes::fill_all(const PlaneMemory& place, std::uint8_t with) {
   Slot& slot = place.slot;
-  const auto fill_one = [&](std::uint32_t block) { fill<Number>(place, block, with); };
+  const auto fill_one = [&](std::uint32_t block) { fill(place, block, with); };
   if (slot.elsewhere == with)
     std::for_each(slot.others.begin(), slot.others.end(), fill_one);
   else
@@ -236,48 +226,40 @@ void ScalarPlanes::put_blocks(const PlaneMemory& place, std::uint8_t voxels_are,
                               const SheetPayload& payload) {
   Slot& slot = place.slot;
   const std::uint8_t elsewhere = payload.header.elsewhere;
-  if (slot.elsewhere != elsewhere) fill_all<Number>(place, elsewhere);
+  if (slot.elsewhere != elsewhere) fill_all(place, elsewhere);
   auto before = slot.others.begin();
   const auto forget_up_to = [&](std::uint32_t block) {
     for (; before != slot.others.end() && *before < block; ++before) {
-      fill<Number>(place, *before, elsewhere);
+      fill(place, *before, elsewhere);
       if (slot.holds[*before] == voxels) others_.push_back(*before);
     }
     if (before != slot.others.end() && *before == block) ++before;
   };
   const std::byte* from = payload.voxels.data();
   others_.clear();
-  for (std::size_t said = 0; said < payload.rows.size(); ++said) {
-    const BlockRow& span = payload.rows[said];
-    const int row = payload.header.first_row + int(said);
-    for (int column = span.first; column < span.end; ++column) {
-      const std::uint8_t byte = payload.bytes[said][column - span.first];
-      if (byte == elsewhere) continue;
-      const auto block = std::uint32_t(row * columns_ + column);
-      forget_up_to(block);
-      others_.push_back(block);
-      if (byte < block_present) {
-        fill<Number>(place, block, byte);
-      } else if ((byte & block_kept) != 0) {
-        check_kept(slot, block, payload.header.plane);
-        for_labels(place, block, [](std::span<std::uint8_t> labels) {
-          for (std::uint8_t& label : labels) label &= std::uint8_t(~unneeded);
-        });
-      } else {
-        slot.holds[block] = voxels_are;
-        note_change(block);
-        from = put_block<Number, T>(place, block, (byte & block_labelled) != 0, from);
-      }
+  payload.for_each_block([&](int column, int row, std::uint8_t byte) {
+    if (byte == elsewhere) return;
+    const auto block = std::uint32_t(row * columns_ + column);
+    forget_up_to(block);
+    others_.push_back(block);
+    if (byte < block_present) {
+      fill(place, block, byte);
+    } else if ((byte & block_kept) != 0) {
+      if (slot.holds[block] != voxels)
+        throw RunError(fmt::format("block {} of plane {} counts as kept, but was never sent", block,
+                                   payload.header.plane),
+                       "all ranks must run the same build");
+      for_labels(place, block, [](std::span<std::uint8_t> labels) {
+        for (std::uint8_t& label : labels) label &= std::uint8_t(~unneeded);
+      });
+    } else {
+      slot.holds[block] = voxels_are;
+      note_change(block);
+      from = put_block<Number, T>(place, block, (byte & block_labelled) != 0, from);
     }
-  }
+  });
   forget_up_to(blocks());
   slot.others.swap(others_);
-}
-
-void ScalarPlanes::check_kept(const Slot& slot, std::uint32_t block, int plane) {
-  if (slot.holds[block] != voxels)
-    throw RunError(fmt::format("block {} of plane {} counts as kept, but was never sent", block, plane),
-                   "all ranks must run the same build");
 }
 
 /// Returns the end of its bytes.
@@ -305,11 +287,10 @@ const std::byte* ScalarPlanes::put_block(const PlaneMemory& place, std::uint32_t
   return from;
 }
 
-template <class Number>
-void ScalarPlanes::extrapolate_border(Number* p) {
+void ScalarPlanes::extrapolate_border(auto* p) {
   const int next = width_ > 1 ? 1 : 0;
   for (int y = changed_rows_.first; y < changed_rows_.end; ++y) {
-    Number* row = p + y * pitch_;
+    auto* const row = p + y * pitch_;
     row[-1] = beyond(row[0], row[next]);
     row[width_] = beyond(row[width_ - 1], row[width_ - 1 - next]);
   }
@@ -349,27 +330,20 @@ bool ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
     empty(shelf);
     shelf = {shelf_->generation, width_, height_, code_, {}, {}};
   }
-  const PlaneMemory place = kept_plane(payload.header.plane);
+  const PlaneMemory place = plane_on(shelf, payload.header.plane);
   renew_fillers(place.slot);
   put(place, voxels, payload, type);
   return true;
 }
 
-template <class Number>
-void ScalarPlanes::extrapolate_as(int step, int a, int b) {
+void ScalarPlanes::extrapolate(int step, int a, int b) {
   const PlaneMemory to = memory_of_step(step), at_a = memory_of_step(a), at_b = memory_of_step(b);
-  auto* out = origin<Number>(to.memory);
-  const auto *one = origin<Number>(at_a.memory), *other = origin<Number>(at_b.memory);
-  const auto extrapolate_row = [=](std::ptrdiff_t first, std::ptrdiff_t numbers) {
-    for (std::ptrdiff_t at = first; at < first + numbers; ++at)
-      out[at] = static_cast<Number>(2 * one[at] - other[at]);
-  };
   Slot& slot = to.slot;
   const Slot &before = at_a.slot, &after = at_b.slot;
   others_.clear();
   if (before.elsewhere == after.elsewhere && before.elsewhere != unknown) {
     // Where both hold the same filler the extrapolation is that.
-    fill_all<Number>(to, before.elsewhere);
+    fill_all(to, before.elsewhere);
     std::set_union(before.others.begin(), before.others.end(), after.others.begin(), after.others.end(),
                    std::back_inserter(others_));
   } else {
@@ -377,18 +351,21 @@ void ScalarPlanes::extrapolate_as(int step, int a, int b) {
     others_.resize(blocks());
     std::iota(others_.begin(), others_.end(), 0U);
   }
-  for (const std::uint32_t block : others_) {
-    for_rows(block, extrapolate_row);
-    slot.holds[block] = unknown;
-  }
+  for (const std::uint32_t block : others_) slot.holds[block] = unknown;
+  with_number([&](auto number) {
+    using Number = decltype(number);
+    auto* const out = origin<Number>(to.memory);
+    const auto *one = origin<Number>(at_a.memory), *other = origin<Number>(at_b.memory);
+    const auto extrapolate_row = [=](std::ptrdiff_t first, std::ptrdiff_t numbers) {
+      for (std::ptrdiff_t at = first; at < first + numbers; ++at)
+        out[at] = static_cast<Number>(2 * one[at] - other[at]);
+    };
+    for (const std::uint32_t block : others_) for_rows(block, extrapolate_row);
+    for (const int y : {-1, height_}) extrapolate_row(y * pitch_ - 1, width_ + 2);
+    for (int y = 0; y < height_; ++y)
+      for (const int x : {-1, width_}) extrapolate_row(y * pitch_ + x, 1);
+  });
   slot.others.swap(others_);
-  for (const int y : {-1, height_}) extrapolate_row(y * pitch_ - 1, width_ + 2);
-  for (int y = 0; y < height_; ++y)
-    for (const int x : {-1, width_}) extrapolate_row(y * pitch_ + x, 1);
-}
-
-void ScalarPlanes::extrapolate(int step, int a, int b) {
-  with_number([&](auto number) { extrapolate_as<decltype(number)>(step, a, b); });
 }
 
 }  // namespace ringsplat

@@ -54,7 +54,7 @@ class ScalarPlanes {
     std::vector<std::uint8_t> holds;    ///< by block: the filler in it, `voxels` or unknown
     Fillers fillers{};                  ///< that `holds` speaks of
   };
-  /// Planes that are kept from frame to frame.
+  /// Planes, which are kept from frame to frame while what they are of stays the same.
   struct Shelf {
     int generation = -1;
     int width = 0, height = 0;
@@ -73,7 +73,7 @@ class ScalarPlanes {
   void use_shelf(const ShelfNumber& number);
   void empty(Shelf& shelf);
   std::vector<std::byte> memory_of_planes();
-  PlaneMemory kept_plane(std::size_t plane);
+  PlaneMemory plane_on(Shelf& shelf, std::size_t plane);
   std::size_t planes_together() const { return std::max<std::size_t>(1, least_memory / plane_bytes_); }
   void renew_fillers(Slot& slot) const;
   /// Calls `use` with one of the planes' numbers, for its type.
@@ -86,25 +86,18 @@ class ScalarPlanes {
   template <class Number, class T>
   const std::byte* put_block(const PlaneMemory& place, std::uint32_t block, bool labelled,
                              const std::byte* from) const;
-  static void check_kept(const Slot& slot, std::uint32_t block, int plane);
   void for_rows(std::uint32_t block, auto&& use) const;
   void for_labels(const PlaneMemory& place, std::uint32_t block, auto&& change) const;
-  template <class Number>
   void fill_all(const PlaneMemory& place, std::uint8_t with);
-  template <class Number>
   void fill(const PlaneMemory& place, std::uint32_t block, std::uint8_t with);
   void note_change(std::uint32_t block);
-  template <class Number>
-  void extrapolate_border(Number* plane);
-  template <class Number>
-  void extrapolate_as(int step, int a, int b);
+  void extrapolate_border(auto* plane);
   std::uint32_t blocks() const { return std::uint32_t(columns_) * std::uint32_t(rows_); }
   int wide(int column) const { return std::min(CellRanges::side, width_ - column * CellRanges::side); }
   int high(int row) const { return std::min(CellRanges::side, height_ - row * CellRanges::side); }
   std::ptrdiff_t place_of(std::uint32_t block) const {
     return (std::ptrdiff_t(block) / columns_ * pitch_ + std::ptrdiff_t(block) % columns_) * CellRanges::side;
   }
-  std::size_t slot_of(int step) const { return std::size_t((step + 1) % slots_); }
 
   int width_ = 0, height_ = 0, slots_ = 0;
   int columns_ = 0, rows_ = 0;  ///< of blocks
@@ -112,8 +105,7 @@ class ScalarPlanes {
   PlaneCode code_;
   Fillers fillers_{};
   std::size_t plane_bytes_ = 0;
-  std::vector<std::byte> memory_;
-  std::vector<Slot> slots_hold_;
+  Shelf passing_;  ///< its planes are the slots
   std::array<Shelf, ShelfNumber::shelves> shelves_;
   std::vector<std::vector<std::byte>> spare_;  ///< memory of emptied shelves
   std::optional<ShelfNumber> shelf_;           ///< of the frame's payloads

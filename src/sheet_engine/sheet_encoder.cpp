@@ -73,7 +73,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     elsewhere_ = byte_elsewhere();
     for (std::size_t r = 0; r < parts_.size(); ++r) {
       parts_[r].begin();
-      if (kept_.shelf) parts_[r].held = kept_.shelf->held(slice_.index, int(r));
+      if (kept_.shelf) parts_[r].held = &kept_.shelf->held(slice_.index, int(r));
     }
     std::fill(tile_marked_.begin(), tile_marked_.end(), false);
   }
@@ -116,20 +116,18 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
   struct Part {
     std::vector<Said> said;  ///< ascending
     std::uint32_t present = 0, kept = 0;
-    std::size_t bytes = 0;               ///< of voxels that are sent
-    std::span<std::uint64_t> held = {};  ///< a bit for each block: whether the Renderer keeps its voxels
+    std::size_t bytes = 0;              ///< of voxels that are sent
+    std::vector<bool>* held = nullptr;  ///< by block: whether the Renderer keeps its voxels
     void begin() {
       said.clear();
       present = kept = 0;
       bytes = 0;
     }
     bool knows(std::uint32_t block) const { return !said.empty() && said.back().block == block; }
-    bool holds(std::uint32_t block) const {
-      return !held.empty() && (held[block / 64] >> (block % 64) & 1U) != 0;
-    }
+    bool holds(std::uint32_t block) const { return held != nullptr && (*held)[block]; }
     void keep() {
       for (const Said& one : said)
-        if (one.byte >= block_present) held[one.block / 64] |= std::uint64_t{1} << (one.block % 64);
+        if (one.byte >= block_present) (*held)[one.block] = true;
     }
   };
 

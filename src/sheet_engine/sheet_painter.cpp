@@ -162,7 +162,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
       paint_.places =
           frame_->nearest() ? place_map(*frame_, scale_, values_) : place_map(*frame_, scale_, table_.axis());
     make_tints();
-    paint_.light = code.floats ? gradient_light(*frame_, largest_number(), code.scale)
+    const double largest = std::max(std::abs(code.of(scale_.low)), std::abs(code.of(scale_.high)));
+    paint_.light = code.floats ? gradient_light(*frame_, largest, code.scale)
                                : gradient_light(*frame_, 4095, code.scale / pair_unit);
     paint_.nearest = frame_->nearest();
     paint_.table = paint_.nearest ? values_.entries() : table_.entries();
@@ -218,10 +219,6 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     }
   }
 
-  double largest_number() const {
-    return std::max(std::abs(scale_.code.of(scale_.low)), std::abs(scale_.code.of(scale_.high)));
-  }
-
   /// Room for the slice of `step`: while there is none, paints some of what can be painted without it.
   /// Returns whether it did.
   bool make_room(int step) {
@@ -245,13 +242,11 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void add_slab(int step, const BlockWindows& windows) {
     tiles_.add_slab();
     bool any = false;
-    const SheetPayload& payload = *payload_;
     const int slice = frame_->slice_at(step_), layer = geometry().layer_of(slice);
-    for (std::size_t row = 0; row < payload.rows.size(); ++row)
-      for (int column = payload.rows[row].first; column < payload.rows[row].end; ++column)
-        if ((payload.bytes[row][column - payload.rows[row].first] & cells_visible) != 0)
-          any |= tiles_.mark(
-              geometry().in_layer(windows.of(column, payload.header.first_row + int(row), slice), layer));
+    payload_->for_each_block([&](int column, int row, std::uint8_t byte) {
+      if ((byte & cells_visible) != 0)
+        any |= tiles_.mark(geometry().in_layer(windows.of(column, row, slice), layer));
+    });
     if (!any) {
       tiles_.drop_slab();
       return;

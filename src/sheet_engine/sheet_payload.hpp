@@ -49,6 +49,13 @@ struct SheetPayload {
   std::vector<const std::uint8_t*> bytes;  ///< by row: those of blocks first ... end - 1
   std::span<const std::byte> voxels;
   std::uint32_t kept = 0;  ///< of the present blocks
+
+  /// Calls `use` with the column, the row and the byte of each block of which something is said.
+  void for_each_block(auto&& use) const {
+    for (std::size_t k = 0; k < rows.size(); ++k)
+      for (int column = rows[k].first; column < rows[k].end; ++column)
+        use(column, header.first_row + int(k), bytes[k][column - rows[k].first]);
+  }
 };
 
 /// Throws RunError unless `body` is a payload for slices of this width, height and type, and nothing else.

@@ -92,14 +92,10 @@ class SheetMeter {
     const SheetPayload payload =
         read_sheet_payload(body, grid.slice_width(axis), grid.slice_height(axis), grid.type);
     PaintWork work;
-    for (std::size_t row = 0; row < payload.rows.size(); ++row) {
-      const auto [first, end] = payload.rows[row];
-      work.blocks += std::uint64_t(end - first);
-      for (int column = first; column < end; ++column) {
-        const std::uint8_t said = payload.bytes[row][column - first];
-        if ((said & cells_visible) != 0) samples_.add(column, payload.header.first_row + int(row));
-      }
-    }
+    payload.for_each_block([&](int column, int row, std::uint8_t byte) {
+      ++work.blocks;
+      if ((byte & cells_visible) != 0) samples_.add(column, row);
+    });
     return work;
   }
 

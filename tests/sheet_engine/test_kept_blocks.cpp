@@ -193,7 +193,7 @@ TEST_CASE("shelves that were not used for longest make room, and come back empty
   CHECK(begin(kept, 4, 0).shelf == first.shelf);
   const auto anew = begin(kept, 5, 90);
   CHECK(anew.shelf != second.shelf);
-  CHECK(anew.shelf->held(0, 0)[0] == 0);
+  CHECK_FALSE(anew.shelf->held(0, 0)[0]);
   KeptBlocks nothing(0, 1, 1, 1000);
   CHECK(begin(nothing, 0, 0).shelf == nullptr);
 }

@@ -46,13 +46,11 @@ TEST_CASE("a Renderer is told only of blocks that it can see, whatever the funct
   for (int r = 0; r < renderers; ++r) {
     const auto body = std::span(parts.at(std::size_t(r)).payload).subspan(sizeof(Header));
     const SheetPayload payload = read_sheet_payload(body, 96, 96, ScalarType::uint8);
-    for (std::size_t row = 0; row < payload.rows.size(); ++row)
-      for (int column = payload.rows[row].first; column < payload.rows[row].end; ++column) {
-        const std::uint8_t byte = payload.bytes[row][column - payload.rows[row].first];
-        if (byte == payload.header.elsewhere) continue;
-        CHECK(sees(r, column, payload.header.first_row + int(row)));
-        told_hidden += byte < block_present ? 1 : 0;
-      }
+    payload.for_each_block([&](int column, int row, std::uint8_t byte) {
+      if (byte == payload.header.elsewhere) return;
+      CHECK(sees(r, column, row));
+      told_hidden += byte < block_present ? 1 : 0;
+    });
   }
   CHECK(told_hidden > 0);
 }
