@@ -6,7 +6,6 @@
 #define RINGSPLAT_GROUP_PAINTER_INL
 #endif
 
-#include <algorithm>
 #include <array>
 
 #include "sheet_engine/sheet_tiles-inl.hpp"

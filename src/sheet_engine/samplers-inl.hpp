@@ -170,25 +170,36 @@ HWY_INLINE PatchSampler::Plane times(const PatchSampler::Plane& p, int n) {
 
 #endif
 
-/// Fetches pairs of neighbouring voxels from memory.
+/// Fetches pairs of neighbouring voxels from memory. Planes, their sums and multiples give what a function
+/// reads from a plane's numbers.
 struct PairSampler : BetweenSlices<PairSampler> {
   using Number = std::int16_t;
   static constexpr float unit = pair_unit;
   struct Plane {
     const Number* origin;
     static constexpr bool is_plane = true;
+    HWY_INLINE auto read(const auto& fetch) const { return fetch(origin); }
   };
   template <class A, class B, bool difference>
   struct Two {
     A a;
     B b;
     static constexpr bool is_plane = true;
+    HWY_INLINE auto read(const auto& fetch) const {
+      if constexpr (difference)
+        return sub_halves(a.read(fetch), b.read(fetch));
+      else
+        return add_halves(a.read(fetch), b.read(fetch));
+    }
   };
   template <class P>
   struct Times {
     P plane;
     int by;
     static constexpr bool is_plane = true;
+    HWY_INLINE auto read(const auto& fetch) const {
+      return mul_halves(plane.read(fetch), set_int(by << 16 | by));
+    }
   };
   struct Sheet {
     I at;  ///< bytes from a plane's origin
@@ -224,23 +235,6 @@ struct PairSampler : BetweenSlices<PairSampler> {
   }
 
  private:
-  /// What `fetch` reads from a plane's numbers, of sums and multiples of planes.
-  template <class Fetch>
-  static HWY_INLINE auto Of(const Plane& p, const Fetch& fetch) {
-    return fetch(p.origin);
-  }
-  template <class A, class B, bool difference, class Fetch>
-  static HWY_INLINE auto Of(const Two<A, B, difference>& p, const Fetch& fetch) {
-    const auto a = Of(p.a, fetch), b = Of(p.b, fetch);
-    if constexpr (difference)
-      return sub_halves(a, b);
-    else
-      return add_halves(a, b);
-  }
-  template <class P, class Fetch>
-  static HWY_INLINE auto Of(const Times<P>& p, const Fetch& fetch) {
-    return mul_halves(Of(p.plane, fetch), set_int(p.by << 16 | p.by));
-  }
   struct FetchPairs {
     I at;
     std::ptrdiff_t numbers;
@@ -256,12 +250,12 @@ struct PairSampler : BetweenSlices<PairSampler> {
   /// The voxel of each lane and its right neighbour.
   template <class P>
   static HWY_INLINE I Pairs(const P& p, const Sheet& s, std::ptrdiff_t numbers) {
-    return Of(p, FetchPairs{s.at, numbers});
+    return p.read(FetchPairs{s.at, numbers});
   }
   /// The same and their neighbours, at once: the pairs that begin before the voxel and behind it.
   template <class P>
   static HWY_INLINE Halves FourInRow(const P& p, const Sheet& s, std::ptrdiff_t numbers) {
-    return Of(p, FetchFour{s.at, numbers});
+    return p.read(FetchFour{s.at, numbers});
   }
   template <class P>
   static HWY_INLINE I Sum(const P& p, const Sheet& s, std::ptrdiff_t pitch) {

@@ -210,16 +210,12 @@ class SheetTiles : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
     numbers[0] = s.sheet == slab_->step - 1
                      ? s.number
                      : Sampler::value(w.front, sheet_at(s, w.at_faces, 0, w.corner), p_.pitch);
-    for (int i = 1; i <= kind.pieces; ++i) numbers[i] = sheet_number(kind, w, i);
-    s.number = numbers[kind.pieces];
+    const int last = kind.pieces;
+    for (int i = 1; i < last; ++i)
+      numbers[i] = Sampler::value_between(w.front, w.back, w.sheet[std::size_t(i)], i, last, p_.pitch);
+    numbers[last] = s.number = Sampler::value(w.back, w.sheet[std::size_t(last)], p_.pitch);
     s.sheet = slab_->step;
-    numbers.find_range(kind.pieces, p_.floats);
-  }
-
-  HWY_INLINE F sheet_number(auto kind, const Work& w, int i) const {
-    const auto& sheet = w.sheet[std::size_t(i)];
-    return i == kind.pieces ? Sampler::value(w.back, sheet, p_.pitch)
-                            : Sampler::value_between(w.front, w.back, sheet, i, kind.pieces, p_.pitch);
+    numbers.find_range(last, p_.floats);
   }
 
   HWY_INLINE M may_show(const Work& w) const {
