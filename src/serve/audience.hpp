@@ -10,6 +10,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "serve/picture_maker.hpp"
@@ -74,7 +75,8 @@ class Audience {
   void show(SentPicture&& picture) {
     picture.head.number = last_ ? last_->head.number + 1 : 1;
     picture.head.pictures_a_second = pictures_a_second();
-    picture.message = std::make_shared<const std::string>(with_head(*picture.message, picture.head));
+    const std::string_view file = std::string_view(*picture.message).substr(sizeof picture.head);
+    picture.message = std::make_shared<const std::string>(picture_message(picture.head, file));
     last_ = std::move(picture);
     for (const auto& [client, member] : members_) catch_up(client);
   }

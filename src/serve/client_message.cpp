@@ -357,8 +357,7 @@ ClientMessage parse_client_message(std::string_view text, const MessageRules& ru
 
 std::optional<std::uint32_t> id_of(std::string_view text) {
   try {
-    const json j = parsed(text);
-    return member(j, "id").is_number_unsigned() ? std::optional(whole(j, "id")) : std::nullopt;
+    return whole(parsed(text), "id");
   } catch (const InputError&) {
     return std::nullopt;
   }

@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <memory>
@@ -42,11 +41,6 @@ struct PictureHead {
 };
 static_assert(sizeof(PictureHead) == 48);
 
-/// A message of the same file with another head.
-inline std::string with_head(std::string message, const PictureHead& head) {
-  std::memcpy(message.data(), &head, sizeof head);
-  return message;
-}
 inline std::string picture_message(const PictureHead& head, std::string_view file) {
   std::string message(reinterpret_cast<const char*>(&head), sizeof head);
   message += file;
