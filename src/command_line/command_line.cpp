@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <sstream>
 #include <string_view>
 
 #include "base/text.hpp"
@@ -134,12 +135,10 @@ class Parser {
       settle();
     } catch (const CallFor& call) {
       line_.command = Say{call.text};
-    } catch (const CLI::CallForHelp&) {
-      line_.command = Say{help(CLI::AppFormatMode::Normal)};
-    } catch (const CLI::CallForAllHelp&) {
-      line_.command = Say{help(CLI::AppFormatMode::All)};
-    } catch (const CLI::CallForVersion& e) {
-      line_.command = Say{std::string(e.what()) + "\n"};
+    } catch (const CLI::Success& e) {  // help or version
+      std::ostringstream text;
+      program_.exit(e, text);
+      line_.command = Say{text.str()};
     } catch (const CLI::ParseError& e) {
       line_.error = with_hint(problem_of(program_, e), hint_for(program_, e));
     } catch (const InputError& e) {
@@ -213,11 +212,6 @@ class Parser {
     refuse_contradictions(program);
     refuse_contradictions(options);
     line_.command = chosen->settle(options);
-  }
-
-  std::string help(CLI::AppFormatMode mode) const {
-    const auto chosen = program_.get_subcommands();
-    return chosen.empty() ? program_.help("", mode) : chosen.front()->help("ringsplat", mode);
   }
 
   CommandLine line_;
