@@ -378,7 +378,7 @@ ExitCode run(const InfoOptions& o) {
     return ExitCode::done;
   }
   Progress progress;
-  WatchedSource source(open_volume(o.picture.volume), progress);
+  WatchedSource source(open_volume(o.picture.volume), [&](int slices) { progress.at(slices); });
   const auto clip = clip_box(o.picture.clip, source.grid());
   const auto part = clipped_source(source, clip.value_or(whole_box(source.grid())));
   const Found found{source.grid(), part->grid(), read_values(clip ? *part : source, progress),

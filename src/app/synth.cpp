@@ -55,7 +55,7 @@ ExitCode run(const SynthOptions& o) {
   check_room(o.output, grid, !o.no_compression && fs::path(o.output).extension() == ".nrrd");
   Progress progress;
   progress.begin("writing " + o.output, grid.dims.z);
-  WatchedSource watched(std::move(source), progress);
+  WatchedSource watched(std::move(source), [&](int slices) { progress.at(slices); });
   const auto written = write_volume(watched, o.output, !o.no_compression);
   progress.end();
   progress.print(

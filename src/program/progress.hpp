@@ -66,15 +66,11 @@ class Progress {
   }
   /// Units done so far.
   void at(double done) {
-    std::string what;
-    double total = 0;
-    {
-      const std::lock_guard lock(mutex_);
-      done_ = done;
-      if (!listener_.at) return;
-      what = what_;
-      total = total_;
-    }
+    std::unique_lock lock(mutex_);
+    done_ = done;
+    if (!listener_.at) return;
+    const auto [what, total] = std::pair(what_, total_);
+    lock.unlock();
     listener_.at(what, done, total);
   }
   void end() {
@@ -153,18 +149,18 @@ class Progress {
   std::jthread thread_;  ///< last: its end waits for the thread, which uses all of the above
 };
 
-/// A source that tells a progress bar how far it was read.
+/// A source that tells how far it was read.
 class WatchedSource final : public ForwardingSource {
  public:
-  WatchedSource(std::unique_ptr<VolumeSource> source, Progress& progress)
-      : ForwardingSource(std::move(source)), progress_(progress) {}
+  WatchedSource(std::unique_ptr<VolumeSource> source, std::function<void(int slices)> at)
+      : ForwardingSource(std::move(source)), at_(std::move(at)) {}
   void read_slices(int first, int count, std::span<std::byte> out) override {
     ForwardingSource::read_slices(first, count, out);
-    progress_.at(first + count);
+    at_(first + count);
   }
 
  private:
-  Progress& progress_;
+  const std::function<void(int slices)> at_;
 };
 
 }  // namespace ringsplat::app

@@ -63,12 +63,10 @@ void read(OptionList& list, const app::Words& words) {
 app::VolumeOptions polled(const app::VolumeOptions& volume, const Hooks& hooks) {
   if (!hooks.poll) return volume;
   app::VolumeOptions result = volume;
-  const auto progress = std::make_shared<app::Progress>(
-      app::Progress::Listener{[poll = hooks.poll](auto&&...) { poll(); }, {}});
-  result.opener = [volume, progress](const VolumeChoice& choice) {
+  result.opener = [volume, poll = hooks.poll](const VolumeChoice& choice) {
     app::VolumeOptions chosen = volume;
     chosen.choice = choice;
-    return std::make_unique<app::WatchedSource>(open_volume(chosen), *progress);
+    return std::make_unique<app::WatchedSource>(open_volume(chosen), [poll](int) { poll(); });
   };
   return result;
 }
