@@ -115,6 +115,8 @@ std::vector<MeasuredShortcuts> Calibration::measured() const {
 
 using nlohmann::json;
 
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MeasuredShortcuts, seconds, rmse, rmse_high)
+
 namespace {
 
 json views_json(const FrameSpec& reference, const std::vector<Camera>& views) {
@@ -137,21 +139,14 @@ json layout_json(const RunOptions& run, const Layout& layout) {
           {"threads_per_rank", run.engine.threads_per_rank}};
 }
 
-json to_json(const MeasuredShortcuts& m) {
-  return {{"setting", to_text(m.shortcuts)},
-          {"seconds", m.seconds},
-          {"rmse", m.rmse},
-          {"rmse_high", m.rmse_high}};
-}
-
 /// Throws json::exception or std::domain_error when `rows` is no calibration.
 std::vector<MeasuredShortcuts> measurements(const json& rows, const std::vector<Shortcuts>& settings) {
   if (rows.size() != settings.size()) throw std::domain_error("it has not one measurement for each setting");
   std::vector<MeasuredShortcuts> all;
   for (std::size_t k = 0; k < settings.size(); ++k) {
     const json& row = rows.at(k);
-    const MeasuredShortcuts m{settings[k], row.at("seconds").get<double>(), row.at("rmse").get<double>(),
-                              row.at("rmse_high").get<double>()};
+    auto m = row.get<MeasuredShortcuts>();
+    m.shortcuts = settings[k];
     if (row.at("setting") != to_text(settings[k])) throw std::domain_error("its settings are others");
     if (!(m.seconds > 0 && m.rmse >= 0 && m.rmse_high >= m.rmse))
       throw std::domain_error("a measurement in it is impossible");
@@ -191,7 +186,10 @@ std::optional<std::vector<MeasuredShortcuts>> read_calibration(const KeptFile& f
 
 void write_calibration(const KeptFile& file, const std::vector<MeasuredShortcuts>& measured) {
   json rows = json::array();
-  for (const auto& m : measured) rows.push_back(to_json(m));
+  for (const auto& m : measured) {
+    rows.push_back(m);
+    rows.back()["setting"] = to_text(m.shortcuts);
+  }
   write_kept(file, rows);
 }
 

@@ -41,12 +41,8 @@ class View(contextlib.AbstractContextManager["View"]):
 
     def __init__(self, command: Sequence[str], folder: str, width: str, height: int, through: str | None) -> None:
         self._size = (width, height)
-        environment = {
-            **os.environ,
-            "PYTHONPATH": os.pathsep.join(
-                [os.path.dirname(os.path.dirname(os.path.abspath(_core.__file__))), os.environ.get("PYTHONPATH", "")]
-            ),
-        }
+        package = os.path.dirname(os.path.dirname(os.path.abspath(_core.__file__)))
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join([package, os.environ.get("PYTHONPATH", "")])}
         with tempfile.TemporaryFile("w+") as errors:
             self._process = subprocess.Popen(
                 [sys.executable, "-m", "ringsplat", *command],
