@@ -59,9 +59,8 @@ class FrameEncoder : public Encoder {
                      "load it with --axes all");
   }
 
-  EncodeCounts left_out(std::size_t steps) const override {
-    const auto voxels = steps * std::uint64_t(geometry().grid.slice_voxels(axis()));
-    return {.voxels = voxels, .outside = voxels};
+  std::uint64_t left_out(std::size_t steps) const override {
+    return steps * std::uint64_t(geometry().grid.slice_voxels(axis()));
   }
   std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
 

@@ -85,7 +85,7 @@ class BundleEncoder final : public EncoderDecorator {
     return steps;
   }
 
-  EncodeCounts left_out(std::size_t) const override { return inner_->left_out(owned_); }
+  std::uint64_t left_out(std::size_t) const override { return inner_->left_out(owned_); }
 
   void begin(int bundle) override {
     const auto at = [this](int step) { return std::lower_bound(slices_.begin(), slices_.end(), step); };

@@ -84,8 +84,8 @@ class Encoder {
   virtual ~Encoder() = default;
   /// The steps that tokens go through, ascending; slices of other steps show nothing. The same on every GP.
   virtual std::vector<int> shown() = 0;
-  /// Counts for `steps` steps of this GP, all that are shown, when no Renderer has a tile.
-  virtual EncodeCounts left_out(std::size_t steps) const = 0;
+  /// Voxels of `steps` steps of this GP, all that are shown, when no Renderer has a tile.
+  virtual std::uint64_t left_out(std::size_t steps) const = 0;
   /// Does a bounded piece of work that belongs to no step; false when there is none.
   virtual bool prepare() { return false; }
   /// Begins a step whose slice this GP owns.

@@ -11,7 +11,7 @@ class EncoderDecorator : public Encoder {
  public:
   explicit EncoderDecorator(std::unique_ptr<Encoder> inner) : inner_(std::move(inner)) {}
   std::vector<int> shown() override { return inner_->shown(); }
-  EncodeCounts left_out(std::size_t steps) const override { return inner_->left_out(steps); }
+  std::uint64_t left_out(std::size_t steps) const override { return inner_->left_out(steps); }
   bool prepare() override { return inner_->prepare(); }
   void begin(int step) override { inner_->begin(step); }
   bool work() override { return inner_->work(); }

@@ -40,7 +40,7 @@ struct Frame {
     for (int r = 0; r < renderers; ++r) tours.push_back(tour_of(r));
     if (std::ranges::find(drawing, true) != drawing.end()) return;
     // The volume lies beside the picture.
-    stats.voxels_outside = encoder->left_out(steps.size()).outside;
+    stats.voxels_outside = encoder->left_out(steps.size());
     steps.clear();
   }
 

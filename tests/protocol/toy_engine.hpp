@@ -67,7 +67,7 @@ class ToyEncoder final : public Encoder {
       if (frame_.shows(step)) steps.push_back(step);
     return steps;
   }
-  EncodeCounts left_out(std::size_t steps) const override { return {.voxels = steps, .outside = steps}; }
+  std::uint64_t left_out(std::size_t steps) const override { return steps; }
   bool prepare() override { return to_prepare_-- > 0; }
   void begin(int step) override { step_ = step; }
   bool work() override { return true; }
