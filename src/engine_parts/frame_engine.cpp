@@ -58,21 +58,19 @@ class PictureCanvas final : public Canvas {
 
 }  // namespace
 
-FramePlan plan_of(const FrameGeometry& g, SliceDealing dealing, const RegionOwners& owners) {
+FramePlan plan_of(const FrameGeometry& g, SliceDealing dealing, const std::vector<int>& owners) {
   FramePlan plan;
   plan.ascending = g.traversal.ascending;
-  plan.owners.resize(std::size_t(g.slices));
   // Owners are those of the whole volume's slices.
   const int first = g.box.first[static_cast<int>(g.traversal.axis)];
   plan.first_slice = first + g.traversal.slice_at(0, g.slices);
   for (int step = 0; step < g.slices; ++step)
-    plan.owners[std::size_t(step)] = dealing.owner_of(first + g.traversal.slice_at(step, g.slices));
+    plan.owners.push_back(dealing.owner_of(first + g.traversal.slice_at(step, g.slices)));
   const Regions& regions = g.picture_regions();
-  plan.tiles.resize(std::size_t(regions.count()));
   for (int region = 0; region < regions.count(); ++region) {
     const PixelRect rect = regions.rect(region);
-    plan.tiles[std::size_t(region)] = {
-        owners.of(region), std::size_t(rect.width()) * std::size_t(rect.height()) * 4 * sizeof(float)};
+    plan.tiles.push_back({owners[std::size_t(region)],
+                          std::size_t(rect.width()) * std::size_t(rect.height()) * 4 * sizeof(float)});
   }
   return plan;
 }
@@ -107,14 +105,16 @@ std::unique_ptr<Canvas> make_picture_canvas(std::int64_t number, const Shown& sh
   return std::make_unique<PictureCanvas>(number, shown, std::move(geometry), std::move(take));
 }
 
-void OwnedImages::begin_frame(const FrameGeometry& g, double opaque_threshold) {
-  RegionOwners owners = g.owners(renderers_);
-  if (!(regions_ == g.regions && owners_ == owners)) {
-    regions_ = g.regions;
-    owners_ = std::move(owners);
+void OwnedImages::begin_frame(const Regions& regions, const std::vector<int>& drawers,
+                              double opaque_threshold) {
+  std::vector<int> owned;
+  for (int region = 0; region < regions.count(); ++region)
+    if (drawers[std::size_t(region)] == renderer_) owned.push_back(region);
+  if (!(regions_ == regions && owned_ == owned)) {
+    regions_ = regions;
+    owned_ = std::move(owned);
     images_.clear();
-    owned_ = regions_.owned(renderer_, owners_);
-    for (const int region : owned_) images_.emplace_back(regions_.rect(region));
+    for (const int region : owned_) images_.emplace_back(regions.rect(region));
   }
   for (RegionImage& image : images_) image.begin_frame(static_cast<float>(opaque_threshold));
   told_.clear();

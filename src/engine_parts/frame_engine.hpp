@@ -29,7 +29,7 @@ std::unique_ptr<Canvas> make_picture_canvas(std::int64_t number, const Shown& sh
                                             std::shared_ptr<const FrameGeometry> geometry, TakePicture take);
 
 /// What the protocol knows of a frame: slices are dealt in turn, and a tile is a region of the image plane.
-FramePlan plan_of(const FrameGeometry& geometry, SliceDealing dealing, const RegionOwners& tile_owners);
+FramePlan plan_of(const FrameGeometry& geometry, SliceDealing dealing, const std::vector<int>& tile_owners);
 
 /// A rank's frames' regions, dealt by the work that the volume's sketch lets foresee
 /// (frame/work_estimate.hpp).
@@ -69,24 +69,24 @@ class FrameEncoder : public Encoder {
   Axis axis() const { return geometry().traversal.axis; }
   int slice_at(int step) const { return geometry().traversal.slice_at(step, geometry().slices); }
   SliceView slice(int step) const { return store_.slice(axis(), slice_at(step), geometry().box); }
-  int owner_of(int region) const { return frame_->plan.tiles[std::size_t(region)].renderer; }
+  int drawer_of(int region) const { return frame_->drawers[std::size_t(region)]; }
 
   std::shared_ptr<const Frame> frame_;
   const SliceStore& whole_store_;
   const SliceStore& store_;  ///< the frame's level
 };
 
-/// The images of the regions that one Renderer owns in a frame, and what GPs were told of their opaque tiles.
+/// The images of the regions that one Renderer draws in a frame, and what GPs were told of their opaque
+/// tiles.
 class OwnedImages {
  public:
-  OwnedImages(int renderer, int renderers) : renderer_(renderer), renderers_(renderers) {}
+  explicit OwnedImages(int renderer) : renderer_(renderer) {}
 
-  /// Clears all images; their memory stays while the regions do.
-  void begin_frame(const FrameGeometry& geometry, double opaque_threshold);
+  /// Clears all images; their memory stays while the regions do. `drawers`: by region, its Renderer.
+  void begin_frame(const Regions& regions, const std::vector<int>& drawers, double opaque_threshold);
 
   std::size_t count() const { return images_.size(); }
   RegionImage& image(std::size_t slot) { return images_[slot]; }
-  const RegionImage& image(std::size_t slot) const { return images_[slot]; }
   bool owns(int region) const { return std::ranges::binary_search(owned_, region); }
   const std::vector<int>& owned() const { return owned_; }  ///< ascending, by their images
   /// Index of an owned region's image.
@@ -100,9 +100,8 @@ class OwnedImages {
   void deliver(const std::function<void(int tile, Bytes bytes)>& deliver) const;
 
  private:
-  int renderer_, renderers_;
+  int renderer_;
   Regions regions_;
-  RegionOwners owners_;
   std::vector<int> owned_;                ///< regions
   std::vector<RegionImage> images_;       ///< one for each owned region
   std::map<int, std::vector<int>> told_;  ///< by GP: for each owned region, the opaque tiles it knows of
@@ -113,13 +112,13 @@ template <class Frame>
 class FramePainter : public Painter {
  public:
   /// `threads` must outlive it.
-  FramePainter(int renderer, int renderers, ThreadTeam& threads)
-      : renderer_(renderer), threads_(threads), images_(renderer, renderers) {}
+  FramePainter(int renderer, ThreadTeam& threads)
+      : renderer_(renderer), threads_(threads), images_(renderer) {}
 
   /// Clears the image.
   virtual void begin_frame(std::shared_ptr<const Frame> frame) {
     frame_ = std::move(frame);
-    images_.begin_frame(geometry(), frame_->shown.opaque_threshold);
+    images_.begin_frame(geometry().regions, frame_->drawers, frame_->shown.opaque_threshold);
     counts_ = {};
   }
   void news(int gp, Bytes& news) override { images_.news(gp, news); }
@@ -150,7 +149,7 @@ class FramePainter : public Painter {
 };
 
 /// One rank's engine of one method. `Parts`, made of the EngineSetup and what else it needs, has
-///   Frame   the announced frame as the rank's nodes share it: number, shown, geometry, plan,
+///   Frame   the announced frame as the rank's nodes share it: number, shown, geometry, drawers, plan,
 ///   Kept    what a GP keeps from frame to frame, one for each level of its store,
 /// and frame(spec), encoder(frame, kept) and painter(renderer).
 template <class Parts>

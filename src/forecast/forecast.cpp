@@ -87,11 +87,11 @@ struct Forecast::View {
     const std::vector none(layers.size(), std::vector<double>(std::size_t(renderers), 0.0));
     Shares s{none, none, std::vector<bool>(std::size_t(renderers), false),
              std::vector<double>(std::size_t(renderers), 0.0)};
-    const RegionOwners owners = g.owners(renderers);
+    const std::vector<int> owners = g.owners(renderers);
     const double copies = copies_of_blocks(g, costs.block);
     for (int region = 0; region < g.regions.count(); ++region) {
-      const int owner = owners.of(region);
-      if (owner == RegionOwners::nobody) continue;
+      const int owner = owners[std::size_t(region)];
+      if (owner == nobody) continue;
       const auto k = std::size_t(owner);
       const PixelRect rect = g.regions.rect(region);
       const PartWork all = whole.of(rect);

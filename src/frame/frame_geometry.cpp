@@ -232,17 +232,17 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   return g;
 }
 
-RegionOwners FrameGeometry::tile_owners(int renderers) const {
+std::vector<int> FrameGeometry::tile_owners(int renderers) const {
   // Runs along the rows, so that all that draw have about as many.
   const std::int64_t takers = dealt_to > 0 ? std::min(dealt_to, renderers) : renderers;
-  std::vector<int> owner(std::size_t(layers.picture.count()), RegionOwners::nobody);
+  std::vector<int> owner(std::size_t(layers.picture.count()), nobody);
   const PixelRect& block = layers.reached;
   const std::int64_t all = std::int64_t{block.width()} * block.height();
   std::int64_t next = 0;
   for (int y = block.y0; y < block.y1; ++y)
     for (int x = block.x0; x < block.x1; ++x)
       owner[std::size_t(y * layers.picture.columns() + x)] = int(next++ * takers / all * renderers / takers);
-  return RegionOwners(std::move(owner));
+  return owner;
 }
 
 PixelRect reached_regions(const FrameGeometry& g, const Regions& regions) {

@@ -61,11 +61,11 @@ struct FrameGeometry {
     return {pixels.x0, y0 + layer * layers.height, pixels.x1, y1 + layer * layers.height};
   }
 
-  /// Owners of the picture's regions where there are layers: who composites what others have drawn there.
-  RegionOwners tile_owners(int renderers) const;
-  /// Who draws the reached regions, among `renderers` Renderers.
-  RegionOwners owners(int renderers) const {
-    if (!dealt.empty()) return RegionOwners(dealt);
+  /// Owners, by region of the picture, where there are layers: who composites what others have drawn there.
+  std::vector<int> tile_owners(int renderers) const;
+  /// Who draws the reached regions, by region, among `renderers` Renderers.
+  std::vector<int> owners(int renderers) const {
+    if (!dealt.empty()) return dealt;
     return regions.owners(reached, renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
   }
 };

@@ -85,7 +85,7 @@ void deal_out(Deal& deal, const std::vector<Costly>& costly, const WorkEstimate&
   for (std::size_t k = 0; k < busy.size(); ++k) least.emplace(busy[k], int(k));
   std::vector<std::uint64_t> layers(busy.size(), 0);
   std::vector<int> used;
-  deal.owner.assign(std::size_t(deal.regions.count()), RegionOwners::nobody);
+  deal.owner.assign(std::size_t(deal.regions.count()), nobody);
   deal.longest = 0;
   std::size_t empty = 0;
   for (const Costly& one : costly) {
@@ -181,7 +181,7 @@ std::optional<Deal> costliest_first(const FrameGeometry& g, const WorkEstimate& 
 }  // namespace
 
 std::vector<int> bisect(const Regions& regions, std::vector<RegionWork> work, std::span<const double> room) {
-  std::vector<int> owner(std::size_t(regions.count()), RegionOwners::nobody);
+  std::vector<int> owner(std::size_t(regions.count()), nobody);
   deal_halves(regions, work, room, 0, owner);
   return owner;
 }
@@ -218,8 +218,7 @@ void deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts& c
     g.dealt = best->owner;
   }
   for (int& owner : g.dealt)
-    if (owner != RegionOwners::nobody)
-      owner = int(std::int64_t{owner} * renderers / std::int64_t(busy.size()));
+    if (owner != nobody) owner = int(std::int64_t{owner} * renderers / std::int64_t(busy.size()));
 }
 
 std::vector<double> busy_ranks(const FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs,

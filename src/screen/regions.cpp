@@ -49,31 +49,21 @@ std::int64_t choose_skew(int columns, int rows, int renderers) {
 
 }  // namespace
 
-RegionOwners::RegionOwners(int columns, const PixelRect& block, int renderers, int dealt_to)
-    : columns_(columns),
-      renderers_(renderers),
-      dealt_to_(dealt_to),
-      skew_(choose_skew(block.width(), block.height(), dealt_to)),
-      block_(block) {}
-
 Regions::Regions(int width, int height, int region_width, int region_height)
     : width_(width), height_(height), region_width_(region_width), region_height_(region_height) {
-  if (width < 1 || height < 1 || width > largest_side || height > largest_side) {
+  if (width < 1 || height < 1 || width > largest_side || height > largest_side)
     throw InputError(
         fmt::format("image size {}x{} is not within 1 to {} pixels a side", width, height, largest_side),
         "give a size such as --size 512x512");
-  }
-  if (region_width < 1 || region_height < 1) {
+  if (region_width < 1 || region_height < 1)
     throw InputError(fmt::format("region size {} is not positive", std::min(region_width, region_height)),
                      "give the pixels of a region's side, such as --region 128");
-  }
   columns_ = regions_along(width, region_width);
   rows_ = regions_along(height, region_height);
-  if (std::int64_t{columns_} * rows_ > std::numeric_limits<std::int32_t>::max()) {
+  if (std::int64_t{columns_} * rows_ > std::numeric_limits<std::int32_t>::max())
     throw InputError(fmt::format("an image of {}x{} pixels has too many regions of {}x{} pixels ({} x {})",
                                  width, height, region_width, region_height, columns_, rows_),
                      "choose larger regions, such as --region 128");
-  }
 }
 
 PixelRect Regions::rect(int region) const {
@@ -82,12 +72,14 @@ PixelRect Regions::rect(int region) const {
   return {x0, y0, x0 + std::min(region_width_, width_ - x0), y0 + std::min(region_height_, height_ - y0)};
 }
 
-std::vector<int> Regions::owned(int renderer, const RegionOwners& owners) const {
-  std::vector<int> mine;
-  for (int region = 0; region < count(); ++region) {
-    if (owners.of(region) == renderer) mine.push_back(region);
-  }
-  return mine;
+std::vector<int> Regions::owners(const PixelRect& block, int renderers, int dealt_to) const {
+  const std::int64_t skew = choose_skew(block.width(), block.height(), dealt_to);
+  std::vector<int> owner(std::size_t(count()), nobody);
+  for (int y = block.y0; y < block.y1; ++y)
+    for (int x = block.x0; x < block.x1; ++x)
+      owner[std::size_t(y * columns_ + x)] =
+          int((x - block.x0 + (y - block.y0) * skew) % dealt_to * renderers / dealt_to);
+  return owner;
 }
 
 PixelRect Regions::touched(const PixelWindow& pixels) const {

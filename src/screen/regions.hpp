@@ -1,7 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 namespace ringsplat {
@@ -25,39 +24,8 @@ inline PixelWindow hull(const PixelWindow& a, const PixelWindow& b) {
   return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
 }
 
-/// Which Renderer owns a region: the one map from regions to Renderers, used by all. Either what each costs
-/// is known, and a list says who gets which (frame/work_estimate.hpp), or they are dealt in turn:
-///
-/// Only a rectangle of regions is dealt, those that a frame's volume reaches; nobody owns the others. The
-/// region in the rectangle's column x and row y belongs to Renderer x + skew · y, modulo their number, so
-/// that all have equally many regions or one fewer. Among the skews that keep this, the constructor takes the
-/// one with the longest way from a region to the nearest one of the same Renderer (the lattices of Korobov
-/// 1959), which deals neighbouring regions to many Renderers. Dealing in turn would be a skew of the row's
-/// length and give a Renderer whole columns when the two numbers have a common divisor. In Neumann 1992
-/// (section 3) a Renderer has one region.
-class RegionOwners {
- public:
-  static constexpr int nobody = -1;
-  /// `columns`: of all regions. `block`: the regions to deal, in columns and rows of regions. `dealt_to`: how
-  /// many of the Renderers get any, spread evenly among them.
-  RegionOwners(int columns, const PixelRect& block, int renderers, int dealt_to);
-  RegionOwners() = default;
-  bool operator==(const RegionOwners&) const = default;
-  /// Dealt otherwise: by region, its Renderer or nobody.
-  explicit RegionOwners(std::vector<int> dealt) : dealt_(std::move(dealt)) {}
-  int of(int region) const {
-    if (!dealt_.empty()) return dealt_[std::size_t(region)];
-    const int column = static_cast<int>(region % columns_), row = static_cast<int>(region / columns_);
-    if (column < block_.x0 || column >= block_.x1 || row < block_.y0 || row >= block_.y1) return nobody;
-    return static_cast<int>((column - block_.x0 + (row - block_.y0) * skew_) % dealt_to_ * renderers_ /
-                            dealt_to_);
-  }
-
- private:
-  std::int64_t columns_ = 1, renderers_ = 1, dealt_to_ = 1, skew_ = 0;
-  PixelRect block_;
-  std::vector<int> dealt_;
-};
+/// In place of a Renderer: the region is no one's.
+inline constexpr int nobody = -1;
 
 /// The image plane cut into regions of one size, numbered row by row. Those at the right and lower edge may
 /// be smaller.
@@ -76,10 +44,16 @@ class Regions {
   /// The region's pixels.
   PixelRect rect(int region) const;
 
-  RegionOwners owners(const PixelRect& block, int renderers, int dealt_to) const {
-    return {columns_, block, renderers, dealt_to};
-  }
-  std::vector<int> owned(int renderer, const RegionOwners& owners) const;
+  /// Deals a block of regions, given in columns and rows, to `dealt_to` of the Renderers, spread evenly among
+  /// them. Returns owners by region; nobody owns those beside the block.
+  ///
+  /// The region in the block's column x and row y belongs to Renderer x + skew · y, modulo their number, so
+  /// that all have equally many regions or one fewer. Among the skews that keep this, it takes the one with
+  /// the longest way from a region to the nearest one of the same Renderer (the lattices of Korobov 1959),
+  /// which deals neighbouring regions to many Renderers. Dealing in turn would be a skew of the row's length
+  /// and give a Renderer whole columns when the two numbers have a common divisor. In Neumann 1992 (section
+  /// 3) a Renderer has one region.
+  std::vector<int> owners(const PixelRect& block, int renderers, int dealt_to) const;
 
   /// The regions that these pixels touch, in columns and rows of regions. Clipped to the image plane; empty
   /// when outside it.

@@ -63,7 +63,7 @@ std::vector<FramePlan::Share> shares_of_layers(const SheetFrame& frame, int rend
   for (int region = 0; region < g.regions.count(); ++region) {
     const int renderer = frame.drawers[std::size_t(region)],
               taker = frame.plan.tiles[std::size_t(region % tiles)].renderer;
-    if (renderer == RegionOwners::nobody || taker == RegionOwners::nobody) continue;
+    if (renderer == nobody || taker == nobody) continue;
     FramePlan::Share& share = shares[std::size_t(renderer)];
     share.takers.push_back(taker);
     const int first = region / tiles * g.layers.slices,

@@ -131,8 +131,6 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     }
   };
 
-  int drawer_of(int region) const { return frame_->drawers[std::size_t(region)]; }
-
   /// The layers that are drawn with a step's slice: of slabs at it, and for gradients beside it.
   void find_layers(int step) {
     const auto layer_of = [this](int at) {

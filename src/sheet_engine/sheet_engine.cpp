@@ -19,10 +19,9 @@ std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const 
   if (dealer != nullptr) dealer->deal(spec, frame->geometry);
   frame->transparent = transparent_values(spec.shown);
   const FrameGeometry& g = frame->geometry;
-  const RegionOwners owners = g.owners(renderers);
-  for (int region = 0; region < g.regions.count(); ++region) frame->drawers.push_back(owners.of(region));
+  frame->drawers = g.owners(renderers);
   const bool layers = g.layers.slices > 0;
-  frame->plan = plan_of(g, dealing, layers ? g.tile_owners(renderers) : owners);
+  frame->plan = plan_of(g, dealing, layers ? g.tile_owners(renderers) : frame->drawers);
   if (layers) frame->plan.shares = shares_of_layers(*frame, renderers);
   return frame;
 }
@@ -47,7 +46,7 @@ class SheetParts {
                               &kept_);
   }
   std::unique_ptr<FramePainter<SheetFrame>> painter(int renderer) {
-    return make_sheet_painter(renderer, setup_.renderers, threads_);
+    return make_sheet_painter(renderer, threads_);
   }
 
  private:

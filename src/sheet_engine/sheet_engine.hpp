@@ -24,8 +24,7 @@ std::unique_ptr<Encoder> make_sheet_encoder(std::shared_ptr<const SheetFrame> fr
                                             KeptBlocks* kept = nullptr);
 
 /// A Renderer's painter. `threads` must outlive it; the image has the same bits with any number of them.
-std::unique_ptr<FramePainter<SheetFrame>> make_sheet_painter(int renderer, int renderers,
-                                                             ThreadTeam& threads);
+std::unique_ptr<FramePainter<SheetFrame>> make_sheet_painter(int renderer, ThreadTeam& threads);
 
 /// The engine of sheets for one rank.
 std::unique_ptr<Engine> make_sheet_engine(const EngineSetup& setup);

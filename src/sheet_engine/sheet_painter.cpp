@@ -353,9 +353,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
 
 }  // namespace
 
-std::unique_ptr<FramePainter<SheetFrame>> make_sheet_painter(int renderer, int renderers,
-                                                             ThreadTeam& threads) {
-  return std::make_unique<SheetPainter>(renderer, renderers, threads);
+std::unique_ptr<FramePainter<SheetFrame>> make_sheet_painter(int renderer, ThreadTeam& threads) {
+  return std::make_unique<SheetPainter>(renderer, threads);
 }
 
 }  // namespace ringsplat

@@ -271,7 +271,7 @@ std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner, 
 std::shared_ptr<const SplatFrame> make_weighed_frame(const FrameSpec& spec, const Grid& grid,
                                                      SliceDealing dealing, int renderers, double voxel_weight,
                                                      RegionDealer* dealer) {
-  if (!(voxel_weight > 1)) return make_splat_frame(spec, grid, dealing, renderers, dealer);
+  if (!(voxel_weight > 1)) return make_splat_frame(spec, std::move(geometry), dealing, renderers, dealer);
   FrameGeometry geometry = make_geometry(spec, grid);
   geometry.reach = narrowed(geometry.reach, voxel_weight);
   lay_regions(geometry, spec);

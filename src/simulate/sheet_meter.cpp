@@ -154,7 +154,7 @@ class WeighedEncoder final : public FrameEncoder<SheetFrame> {
     for (std::size_t r = 0; r < parts_.size(); ++r)
       if (parts_[r].present > 0) write(parts_[r], samples[r], step.parts[r]);
     for (std::size_t region = 0; region < tile_marked_.size(); ++region)
-      if (tile_marked_[region]) step.parts[std::size_t(owner_of(int(region)))].tiles.push_back(int(region));
+      if (tile_marked_[region]) step.parts[std::size_t(drawer_of(int(region)))].tiles.push_back(int(region));
     return step;
   }
 
@@ -219,7 +219,7 @@ class WeighedEncoder final : public FrameEncoder<SheetFrame> {
     const std::int64_t number = std::int64_t{row} * columns_ + column;
     for (int y = touched.y0; y < touched.y1; ++y)
       for (int x = touched.x0; x < touched.x1; ++x) {
-        const int region = y * regions.columns() + x, renderer = owner_of(region);
+        const int region = y * regions.columns() + x, renderer = drawer_of(region);
         if (renderer == FramePlan::nobody) continue;
         tile_marked_[std::size_t(region)] = true;
         Part& part = parts_[std::size_t(renderer)];

@@ -90,7 +90,7 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
       encoded.counts.outside += band->voxels_outside();
     }
     for (const int region : used_regions()) {
-      const auto owner = std::size_t(owner_of(region));
+      const auto owner = std::size_t(drawer_of(region));
       EncodedPart& part = encoded.parts[owner];
       if (part.payload.empty()) {
         part.payload = Message::body_buffer();

@@ -16,13 +16,9 @@ std::shared_ptr<SplatFrame> make_splat_frame(const FrameSpec& spec, FrameGeometr
   if (dealer != nullptr) dealer->deal(spec, frame->geometry);
   frame->footprint =
       make_footprint(frame->geometry.view, frame->geometry.traversal.axis, frame->splats.kernel_radius);
-  frame->plan = plan_of(frame->geometry, dealing, frame->geometry.owners(renderers));
+  frame->drawers = frame->geometry.owners(renderers);
+  frame->plan = plan_of(frame->geometry, dealing, frame->drawers);
   return frame;
-}
-
-std::shared_ptr<SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid, SliceDealing dealing,
-                                             int renderers, RegionDealer* dealer) {
-  return make_splat_frame(spec, make_geometry(spec, grid), dealing, renderers, dealer);
 }
 
 namespace {
@@ -35,14 +31,15 @@ class SplatParts {
       : setup_(setup), dealer_(setup), encoder_threads_(setup.threads), painter_threads_(setup.threads) {}
 
   std::shared_ptr<const SplatFrame> frame(const FrameSpec& spec) {
-    return make_splat_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, &dealer_);
+    return make_splat_frame(spec, make_geometry(spec, setup_.grid), setup_.dealing(), setup_.renderers,
+                            &dealer_);
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) {
     return make_splat_encoder(std::move(frame), setup_.renderers, *setup_.slices, space, encoder_threads_,
                               setup_.skip_empty);
   }
   std::unique_ptr<FramePainter<SplatFrame>> painter(int renderer) {
-    return make_splat_painter(renderer, setup_.renderers, painter_threads_);
+    return make_splat_painter(renderer, painter_threads_);
   }
 
  private:

@@ -20,8 +20,7 @@ std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> fr
                                             ThreadTeam& threads, bool skip_empty = true);
 
 /// A Renderer's painter. `threads` must outlive it; the image has the same bits with any number of them.
-std::unique_ptr<FramePainter<SplatFrame>> make_splat_painter(int renderer, int renderers,
-                                                             ThreadTeam& threads);
+std::unique_ptr<FramePainter<SplatFrame>> make_splat_painter(int renderer, ThreadTeam& threads);
 
 /// The paper's engine for one rank.
 std::unique_ptr<Engine> make_splat_engine(const EngineSetup& setup);

@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "frame/frame_geometry.hpp"
 #include "protocol/engine.hpp"
@@ -16,17 +17,14 @@ struct SplatFrame {
   Shown shown;
   Splats splats;
   FrameGeometry geometry;
+  std::vector<int> drawers;  ///< by region of the geometry: the Renderer that draws it, or nobody
   Footprint footprint;
   FramePlan plan;
 };
 
 class RegionDealer;
 
-/// `spec` must be of this method; without a `dealer` regions are dealt in turn. Throws InputError when its
-/// view cannot be drawn.
-std::shared_ptr<SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid, SliceDealing dealing,
-                                             int renderers, RegionDealer* dealer = nullptr);
-/// The same of a geometry that was made of `spec`.
+/// `spec` must be of this method, and `geometry` made of it; without a `dealer` regions are dealt in turn.
 std::shared_ptr<SplatFrame> make_splat_frame(const FrameSpec& spec, FrameGeometry geometry,
                                              SliceDealing dealing, int renderers,
                                              RegionDealer* dealer = nullptr);

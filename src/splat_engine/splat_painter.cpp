@@ -15,16 +15,15 @@ namespace {
 /// behind the image.
 class SplatPainter final : public FramePainter<SplatFrame> {
  public:
-  SplatPainter(int renderer, int renderers, ThreadTeam& threads)
-      : FramePainter(renderer, renderers, threads), lanes_(std::size_t(threads.size())) {}
+  SplatPainter(int renderer, ThreadTeam& threads)
+      : FramePainter(renderer, threads), lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
-    for (Lane& lane : lanes_) lane.reader.reset();  // they refer to the last frame
-    FramePainter::begin_frame(std::move(frame));
     for (Lane& lane : lanes_) {
-      lane.reader = make_payload_reader(*frame_);
+      lane.reader = make_payload_reader(*frame);  // the one before refers to the last frame
       lane.drawing = false;
     }
+    FramePainter::begin_frame(std::move(frame));
     composite_seconds_ = 0;
   }
 
@@ -120,9 +119,8 @@ class SplatPainter final : public FramePainter<SplatFrame> {
 
 }  // namespace
 
-std::unique_ptr<FramePainter<SplatFrame>> make_splat_painter(int renderer, int renderers,
-                                                             ThreadTeam& threads) {
-  return std::make_unique<SplatPainter>(renderer, renderers, threads);
+std::unique_ptr<FramePainter<SplatFrame>> make_splat_painter(int renderer, ThreadTeam& threads) {
+  return std::make_unique<SplatPainter>(renderer, threads);
 }
 
 }  // namespace ringsplat

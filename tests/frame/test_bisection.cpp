@@ -44,6 +44,6 @@ TEST_CASE("each gets as much as it has room for, and a cut may have a step") {
 TEST_CASE("without any room all get alike, and what is not given is nobody's") {
   const Regions regions(64, 16, 16);
   CHECK(bisect(regions, {{1, 1.0}, {2, 1.0}}, std::vector<double>{0, 0}) ==
-        std::vector<int>{RegionOwners::nobody, 0, 1, RegionOwners::nobody});
-  CHECK(bisect(regions, {}, std::vector<double>{1, 1}) == std::vector<int>(4, RegionOwners::nobody));
+        std::vector<int>{nobody, 0, 1, nobody});
+  CHECK(bisect(regions, {}, std::vector<double>{1, 1}) == std::vector<int>(4, nobody));
 }

@@ -50,16 +50,16 @@ TEST_CASE("regions are dealt evenly over what the volume covers of the screen, w
         FrameSpec spec = placed(scale, centre, 512);
         spec.division.dealt_to = renderers;
         const FrameGeometry geometry = make_geometry(spec, make_grid(dims));
-        std::size_t least = geometry.regions.owned(0, geometry.owners(renderers)).size(), most = least,
-                    sum = 0;
+        const std::vector<int> owners = geometry.owners(renderers);
+        auto least = std::ranges::count(owners, 0), most = least, sum = 0 * least;
         for (int k = 0; k < renderers; ++k) {
-          const std::size_t owned = geometry.regions.owned(k, geometry.owners(renderers)).size();
+          const auto owned = std::ranges::count(owners, k);
           least = std::min(least, owned);
           most = std::max(most, owned);
           sum += owned;
         }
         INFO(fmt::format("centre {}, {}, scale {}, {} Renderers", centre.x, centre.y, scale, renderers));
-        CHECK(sum == std::size_t(geometry.reached.width() * geometry.reached.height()));
+        CHECK(sum == geometry.reached.width() * geometry.reached.height());
         CHECK(most <= least + 1);
         CHECK((renderers > 1 || geometry.regions == Regions(512, 512, 128)));
         spec.division.region_size = 100;

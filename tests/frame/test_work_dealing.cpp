@@ -41,9 +41,9 @@ Grid grid_of(const glm::ivec3& dims) {
 /// Each Renderer's work, as geometry's owners share it.
 std::vector<double> seconds_of_each(const FrameGeometry& g, const WorkEstimate& work, int renderers) {
   std::vector<double> seconds(std::size_t(renderers), 0.0);
-  const RegionOwners owners = g.owners(renderers);
+  const std::vector<int> owners = g.owners(renderers);
   for (int region = 0; region < g.regions.count(); ++region)
-    if (const int owner = owners.of(region); owner != RegionOwners::nobody)
+    if (const int owner = owners[std::size_t(region)]; owner != nobody)
       seconds[std::size_t(owner)] += work.of(g.regions.rect(region)).seconds;
   return seconds;
 }
@@ -131,7 +131,7 @@ TEST_CASE("regions dealt by work are shared more evenly than regions dealt in tu
       for (int region = 0; region < g.regions.count(); ++region) {
         const int x = region % g.regions.columns(), y = region / g.regions.columns();
         const bool inside = x >= reached.x0 && x < reached.x1 && y >= reached.y0 && y < reached.y1;
-        CHECK((g.dealt[std::size_t(region)] != RegionOwners::nobody) == inside);
+        CHECK((g.dealt[std::size_t(region)] != nobody) == inside);
       }
     }
   }
@@ -161,7 +161,7 @@ TEST_CASE("many Renderers' sheets of small blocks lie side by side, and most sta
     for (int region = 0; region + first.regions.columns() < first.regions.count(); ++region) {
       const int here = first.dealt[std::size_t(region)],
                 below = first.dealt[std::size_t(region + first.regions.columns())];
-      if (here == RegionOwners::nobody || below == RegionOwners::nobody) continue;
+      if (here == nobody || below == nobody) continue;
       ++neighbours;
       together += here == below;
     }
@@ -174,7 +174,7 @@ TEST_CASE("many Renderers' sheets of small blocks lie side by side, and most sta
           const PixelRect at = g.regions.touched({x, y, x, y});
           return g.dealt[std::size_t(at.y0 * g.regions.columns() + at.x0)];
         };
-        if (owner(first) == RegionOwners::nobody || owner(turned) == RegionOwners::nobody) continue;
+        if (owner(first) == nobody || owner(turned) == nobody) continue;
         ++pixels;
         stayed += owner(first) == owner(turned);
       }

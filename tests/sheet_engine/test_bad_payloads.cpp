@@ -89,7 +89,7 @@ TEST_CASE("a Renderer draws or refuses whatever arrives, and never reads beyond 
     const std::size_t places = round % 4 + 1,
                       within = round % 2 == 0 ? changed.size() : sizeof(SheetHeader) + 16;
     for (std::size_t k = 0; k < places; ++k) changed[random() % within] = std::byte(random() % 256);
-    const auto painter = make_sheet_painter(0, 1, threads);
+    const auto painter = make_sheet_painter(0, threads);
     painter->begin_frame(frame);
     try {
       painter->begin({.step = int(random() % 9), .body = changed});
@@ -110,7 +110,7 @@ TEST_CASE("a step that the traversal does not have is refused") {
   const auto frame = frame_of_slices();
   const Bytes body = payload_of_a_slice(frame);
   ThreadTeam threads(1);
-  const auto painter = make_sheet_painter(0, 1, threads);
+  const auto painter = make_sheet_painter(0, threads);
   painter->begin_frame(frame);
   CHECK_THROWS_AS(painter->begin({.step = 9, .body = body}), RunError);
   CHECK_THROWS_AS(painter->begin({.step = -1, .body = body}), RunError);

@@ -42,7 +42,7 @@ Pixels pixels_of(const FrameSpec& spec, const Grid& grid, double voxel_weight, i
   const auto meter = make_splat_meter(frame, voxel_weight);
   std::vector<std::unique_ptr<FramePainter<SplatFrame>>> painters;
   for (int r = 0; r < renderers; ++r) {
-    painters.push_back(make_splat_painter(r, renderers, alone));
+    painters.push_back(make_splat_painter(r, alone));
     painters.back()->begin_frame(frame);
   }
   Pixels pixels;

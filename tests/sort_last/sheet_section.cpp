@@ -94,7 +94,7 @@ class SheetSection final : public SectionPainter {
     const auto encoder =
         make_sheet_encoder(part, 1, store_, blocks_, false, setup_.machine ? nullptr : &kept_);
     const Meter meter = setup_.machine ? make_sheet_meter(part) : nullptr;
-    if (!painter_) painter_ = make_sheet_painter(0, 1, threads_);
+    if (!painter_) painter_ = make_sheet_painter(0, threads_);
     painter_->begin_frame(frame);
     if (const auto& m = setup_.machine) drawn.seconds = m->gp.frame + m->renderer.frame + m->sheets.table;
     const auto [first, end] = own_steps(frame->geometry);

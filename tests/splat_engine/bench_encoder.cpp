@@ -40,7 +40,7 @@ View make_view_of(const FrameSpec& orbit, const Grid& grid, int view) {
   View v;
   FrameSpec spec = orbit;
   spec.shown.camera.azimuth = 360.0 * view / views;
-  v.frame = make_splat_frame(spec, grid, 1, 1);
+  v.frame = make_splat_frame(spec, make_geometry(spec, grid), 1, 1);
   return v;
 }
 
@@ -65,7 +65,7 @@ void draw_slice(Painter& painter, int step, const Bytes& payload) {
 void gather_news(View& v, const SliceStore& store, EmptySpace& empty_space) {
   ThreadTeam alone;
   const auto encoder = make_splat_encoder(v.frame, 1, store, empty_space, alone);
-  const auto painter = make_splat_painter(0, 1, alone);
+  const auto painter = make_splat_painter(0, alone);
   painter->begin_frame(v.frame);
   for (int step = 0; step < v.frame->geometry.slices; ++step) {
     const EncodedStep slice = encode_slice(*encoder, step);
@@ -86,7 +86,7 @@ void measure(View& v, const SliceStore& store, EmptySpace& empty_space) {
   const double start = thread_milliseconds();
   const auto encoder = make_splat_encoder(v.frame, 1, store, empty_space, alone);
   const double made = thread_milliseconds();
-  const auto painter = make_splat_painter(0, 1, alone);
+  const auto painter = make_splat_painter(0, alone);
   painter->begin_frame(v.frame);
   double encode = 0, draw = 0;
   for (int step = 0; step < v.frame->geometry.slices; ++step) {

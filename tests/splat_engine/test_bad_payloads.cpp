@@ -39,7 +39,7 @@ class Sent {
     spec_.division.dealt_to = 2;
     spec_.as<Splats>().payload = form;
     spec_.shown.transfer_function = constant_opacity(0.4);
-    frame_ = make_splat_frame(spec_, grid, 1, 2);
+    frame_ = make_splat_frame(spec_, make_geometry(spec_, grid), 1, 2);
     REQUIRE(geometry().traversal.axis == Axis::z);
     const auto source = synth_source("constant", grid);
     const auto stores = dealt(*source, 1);
@@ -50,7 +50,7 @@ class Sent {
     }
     body = encoder->finish().parts.at(0).payload;
     body.erase(body.begin(), body.begin() + sizeof(Header));
-    painter_ = make_splat_painter(0, 2, threads_);
+    painter_ = make_splat_painter(0, threads_);
     painter_->begin_frame(frame_);
   }
 
@@ -72,7 +72,7 @@ class Sent {
   std::int32_t foreign_region() const {
     const auto owners = geometry().owners(2);
     for (int region = 0; region < geometry().regions.count(); ++region)
-      if (owners.of(region) == 1) return region;
+      if (owners[std::size_t(region)] == 1) return region;
     return -1;
   }
   int regions() const { return geometry().regions.count(); }
@@ -221,11 +221,11 @@ TEST_CASE("every frame tells anew which tiles are opaque, and a GP each of them 
   FrameSpec spec = oblique_view(96, 96, 48);
   spec.shown.transfer_function = constant_opacity(1.0);
   spec.division.dealt_to = 1;
-  const auto frame = make_splat_frame(spec, grid, 1, 1);
+  const auto frame = make_splat_frame(spec, make_geometry(spec, grid), 1, 1);
   ThreadTeam threads(1);
   EmptySpace empty_space;
   const auto encoder = make_splat_encoder(frame, 1, stores.at(0), empty_space, threads);
-  const auto painter = make_splat_painter(0, 1, threads);
+  const auto painter = make_splat_painter(0, threads);
   const auto news_of_frame = [&] {
     painter->begin_frame(frame);
     Bytes all;
