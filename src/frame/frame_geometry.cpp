@@ -215,11 +215,6 @@ std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid)
   return {{plane.normal, plane.distance - half}, {-plane.normal, -plane.distance - half}};
 }
 
-bool needs_normals(const FrameSpec& spec) {
-  return spec.shown.shading == Shading::phong && std::holds_alternative<Splats>(spec.how);
-}
-bool needs_cell_ranges(const FrameSpec& spec) { return std::holds_alternative<Sheets>(spec.how); }
-
 Axis traversed_axis(const FrameSpec& spec, const Grid& grid) {
   return screen_geometry(spec.shown, grid, slice_rule(spec.how)).traversal.axis;
 }

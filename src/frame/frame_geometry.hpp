@@ -74,11 +74,6 @@ struct FrameGeometry {
 /// of large volumes, as near as positions along rays are exact.
 std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid);
 
-/// What GPs must know of their slices to draw a frame: voxels' normals for lit splats; for sheets, ranges of
-/// what lies between voxels.
-bool needs_normals(const FrameSpec& spec);
-bool needs_cell_ranges(const FrameSpec& spec);
-
 LatticeFrame lattice_frame(const Grid& grid);
 /// The axis of the slice set that a frame of the volume traverses. Throws InputError when it can traverse
 /// none, or its clip box is none of the volume's.

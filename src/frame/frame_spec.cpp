@@ -178,17 +178,9 @@ void check_tints(const Shown& shown, const Method& method) {
 
 /// The first byte has the method's index among Method's alternatives, and above it the volume's number.
 constexpr std::size_t most_methods = 4;
-static_assert(std::variant_size_v<Method> <= most_methods);
 
-void take_method(FromBytes& archive, Method& how) {
-  std::uint8_t index = 0;
-  archive(index);
-  index %= most_methods;
-  const auto take_it = [&]<std::size_t... I>(std::index_sequence<I...>) {
-    return ((index == I && (how.emplace<I>(), true)) || ...);
-  };
-  if (!archive.ok() || !take_it(std::make_index_sequence<std::variant_size_v<Method>>()))
-    throw RunError("a frame announcement cannot be read", "all ranks must run the same build");
+[[noreturn]] void refuse_bytes() {
+  throw RunError("a frame announcement cannot be read", "all ranks must run the same build");
 }
 
 }  // namespace
@@ -233,20 +225,21 @@ std::size_t volume_of(std::span<const std::byte> bytes) {
   return bytes.empty() ? 0 : std::size_t(bytes.front()) / most_methods;
 }
 
-std::string method_of(std::span<const std::byte> bytes) {
-  Method how;
-  FromBytes archive(bytes);
-  take_method(archive, how);
-  return name(how);
+Method method_of(std::span<const std::byte> bytes) {
+  static const Method methods[] = {Splats(), Sheets()};
+  static_assert(std::size(methods) == std::variant_size_v<Method> && std::size(methods) <= most_methods);
+  if (bytes.empty()) refuse_bytes();
+  const std::size_t index = std::size_t(bytes.front()) % most_methods;
+  if (index >= std::size(methods)) refuse_bytes();
+  return methods[index];
 }
 
 FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
   FrameSpec spec;
-  FromBytes archive(bytes);
-  take_method(archive, spec.how);
+  spec.how = method_of(bytes);
+  FromBytes archive(bytes.subspan(1));
   archive(spec);
-  if (!archive.ok() || !archive.at_end())
-    throw RunError("a frame announcement cannot be read", "all ranks must run the same build");
+  if (!archive.ok() || !archive.at_end()) refuse_bytes();
   return spec;
 }
 

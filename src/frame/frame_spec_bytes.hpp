@@ -14,8 +14,8 @@ namespace ringsplat {
 Bytes encode(const FrameSpec& spec, std::size_t volume = 0);
 FrameSpec decode_frame_spec(std::span<const std::byte> bytes);
 std::size_t volume_of(std::span<const std::byte> bytes);
-/// The name of an encoded frame's method.
-std::string method_of(std::span<const std::byte> bytes);
+/// An encoded frame's method, with its usual options.
+Method method_of(std::span<const std::byte> bytes);
 /// As JSON text, for --stats and image metadata.
 std::string to_json_text(const FrameSpec& spec);
 

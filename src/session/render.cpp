@@ -54,10 +54,9 @@ Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) 
 /// Makes the engine of a rank, which gets its slices of the scene and its others.
 std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout,
                                     const EngineOptions& options, TakePicture take) {
+  // Empty on a rank without a GP.
   const auto slices_of = [rank](Scene& held) {
-    const auto store = held.stores.find(rank);
-    return std::make_shared<const SliceStore>(store == held.stores.end() ? SliceStore()
-                                                                         : std::move(store->second));
+    return std::make_shared<const SliceStore>(std::move(held.stores[rank]));
   };
   const auto kept =
       options.keep ? std::uint64_t(*options.keep) << 20 : usual_kept_bytes(scene.grid, layout.gps);
@@ -76,17 +75,17 @@ std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout
                     .take = std::move(take)};
   if (options.encodes_pictures)
     for (WorkCosts* costs : {&setup.splat_costs, &setup.sheet_costs}) costs->picture += encoding_a_pixel;
-  std::vector<EngineSetup> others(scene.others.size(), setup);
-  for (std::size_t k = 0; k < others.size(); ++k) {
-    others[k].sketch = scene.others[k].sketch;
-    others[k].slices = slices_of(scene.others[k]);
+  std::vector<EngineSetup> volumes(1 + scene.others.size(), setup);
+  for (std::size_t k = 1; k < volumes.size(); ++k) {
+    volumes[k].sketch = scene.others[k - 1].sketch;
+    volumes[k].slices = slices_of(scene.others[k - 1]);
   }
-  return options.engine ? options.engine(std::move(setup)) : make_rank_engine(setup, others);
+  return options.engine ? options.engine(std::move(setup)) : make_rank_engine(std::move(volumes));
 }
 
 class Engines final : public Engine {
  public:
-  Engines(std::vector<EngineSetup> volumes, std::vector<MethodEngine> methods)
+  Engines(std::vector<EngineSetup> volumes, std::vector<MakeEngine> methods)
       : volumes_(std::move(volumes)), methods_(std::move(methods)) {}
 
   FramePlan plan(const Announcement& a) override { return engine_of(a).plan(a); }
@@ -100,17 +99,17 @@ class Engines final : public Engine {
 
  private:
   Engine& engine_of(const Announcement& a) {
-    const std::pair key(volume_of(a.body), method_of(a.body));
-    if (const auto made = engines_.find(key); made != engines_.end()) return *made->second;
-    for (const MethodEngine& known : methods_)
-      if (key.second == known.method && key.first < volumes_.size())
-        return *(engines_[key] = known.make(volumes_[key.first]));
-    throw RunError("there is no engine for " + key.second);
+    const Method method = method_of(a.body);
+    const std::pair key(volume_of(a.body), method.index());
+    if (key.first >= volumes_.size()) throw RunError(fmt::format("there is no engine for {}", name(method)));
+    std::unique_ptr<Engine>& engine = engines_[key];
+    if (!engine) engine = methods_[key.second](volumes_[key.first]);
+    return *engine;
   }
 
   std::vector<EngineSetup> volumes_;
-  std::vector<MethodEngine> methods_;
-  std::map<std::pair<std::size_t, std::string>, std::unique_ptr<Engine>> engines_;
+  std::vector<MakeEngine> methods_;  ///< in the order of Method's alternatives
+  std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<Engine>> engines_;  ///< by both
 };
 
 }  // namespace
@@ -157,12 +156,13 @@ std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& came
 }
 
 LoadOptions needed_along(const FrameSpec& spec, const std::array<bool, 3>& axes) {
-  return {axes,
-          needs_normals(spec),
-          {spec.shown.reduction.factor},
-          spec.shown.reduction.prefilter,
-          needs_cell_ranges(spec),
-          spec.shown.clip};
+  const bool sheets = std::holds_alternative<Sheets>(spec.how);
+  return {.kept_axes = axes,
+          .with_normals = !sheets && spec.shown.shading == Shading::phong,
+          .factors = {spec.shown.reduction.factor},
+          .prefilter = spec.shown.reduction.prefilter,
+          .with_cell_ranges = sheets,
+          .clip = spec.shown.clip};
 }
 
 LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid) {
@@ -215,15 +215,14 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
   Host(layout, protocol, transport, *engine, &frames, {.pace = options.pace}).run();
 }
 
-std::unique_ptr<Engine> make_engines(const EngineSetup& setup, std::vector<MethodEngine> methods) {
-  return std::make_unique<Engines>(std::vector{setup}, std::move(methods));
+std::unique_ptr<Engine> make_engines(std::vector<EngineSetup> volumes, std::vector<MakeEngine> methods) {
+  const int bundle = volumes.front().bundle;
+  std::unique_ptr<Engine> engine = std::make_unique<Engines>(std::move(volumes), std::move(methods));
+  return bundle > 1 ? make_bundle_engine(std::move(engine), bundle) : std::move(engine);
 }
 
-std::unique_ptr<Engine> make_rank_engine(const EngineSetup& setup, std::vector<EngineSetup> others) {
-  others.insert(others.begin(), setup);
-  std::vector<MethodEngine> drawing{{Splats::name, make_splat_engine}, {Sheets::name, make_sheet_engine}};
-  std::unique_ptr<Engine> engine = std::make_unique<Engines>(std::move(others), std::move(drawing));
-  return setup.bundle > 1 ? make_bundle_engine(std::move(engine), setup.bundle) : std::move(engine);
+std::unique_ptr<Engine> make_rank_engine(std::vector<EngineSetup> volumes) {
+  return make_engines(std::move(volumes), {make_splat_engine, make_sheet_engine});
 }
 
 }  // namespace ringsplat

@@ -157,18 +157,14 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
 void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
                    const Wiring& wiring, const EngineOptions& engine = {});
 
-/// The engine of one method.
-struct MethodEngine {
-  const char* method;
-  std::function<std::unique_ptr<Engine>(const EngineSetup& setup)> make;
-};
+/// Makes the engine of one method.
+using MakeEngine = std::function<std::unique_ptr<Engine>(const EngineSetup& setup)>;
 
-/// The engines of one rank. A frame's engine is found by the name of its method and made on first use.
-std::unique_ptr<Engine> make_engines(const EngineSetup& setup, std::vector<MethodEngine> methods);
-
-/// The same of engines that draw, whose steps are the setup's bundles. Frames may be of the other volumes,
-/// too.
-std::unique_ptr<Engine> make_rank_engine(const EngineSetup& setup, std::vector<EngineSetup> others = {});
+/// The engines of one rank, each made on first use, whose steps are the setups' bundles. `volumes`: by their
+/// numbers (VolumeFrame). `methods`: in the order of Method's alternatives.
+std::unique_ptr<Engine> make_engines(std::vector<EngineSetup> volumes, std::vector<MakeEngine> methods);
+/// The same of engines that draw.
+std::unique_ptr<Engine> make_rank_engine(std::vector<EngineSetup> volumes);
 
 /// What a session can do for other rooms that is not for users.
 struct SessionParts {

@@ -152,7 +152,7 @@ class CountingEngine final : public EngineDecorator {
       : EngineDecorator(std::move(inner)), voxel_weight_(voxel_weight) {}
 
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
-    const bool sheets = method_of(a.body) == Sheets::name;
+    const bool sheets = std::holds_alternative<Sheets>(method_of(a.body));
     return std::make_unique<CountingEncoder>(inner_->encoder(gp, a), inner_->plan(a),
                                              Weights{voxel_weight_, sheets ? 1 : voxel_weight_});
   }
@@ -234,10 +234,10 @@ class MeasuredParts {
 };
 
 template <class Frame, class Kept>
-MethodEngine measured_engine(const char* method, double voxel_weight) {
-  return {method, [voxel_weight](const EngineSetup& setup) -> std::unique_ptr<Engine> {
-            return std::make_unique<FrameEngine<MeasuredParts<Frame, Kept>>>(setup, voxel_weight);
-          }};
+MakeEngine measured_engine(double voxel_weight) {
+  return [voxel_weight](const EngineSetup& setup) -> std::unique_ptr<Engine> {
+    return std::make_unique<FrameEngine<MeasuredParts<Frame, Kept>>>(setup, voxel_weight);
+  };
 }
 
 }  // namespace
@@ -246,9 +246,8 @@ std::unique_ptr<Engine> make_counting_engine(const EngineSetup& setup, double vo
   // Their encoders make measured payloads (simulate/meter.hpp), which nobody can draw. Each voxel stands for
   // `voxel_weight` of its slice: sheets have as many blocks as those would make; splats are as many as
   // voxels, with kernels as large as those would have.
-  auto engine = make_engines(setup, {measured_engine<SplatFrame, EmptySpace>(Splats::name, voxel_weight),
-                                     measured_engine<SheetFrame, SliceBlocks>(Sheets::name, voxel_weight)});
-  if (setup.bundle > 1) engine = make_bundle_engine(std::move(engine), setup.bundle);
+  auto engine = make_engines({setup}, {measured_engine<SplatFrame, EmptySpace>(voxel_weight),
+                                       measured_engine<SheetFrame, SliceBlocks>(voxel_weight)});
   return std::make_unique<CountingEngine>(std::move(engine), voxel_weight);
 }
 
@@ -271,8 +270,8 @@ std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner, 
 std::shared_ptr<const SplatFrame> make_weighed_frame(const FrameSpec& spec, const Grid& grid,
                                                      SliceDealing dealing, int renderers, double voxel_weight,
                                                      RegionDealer* dealer) {
-  if (!(voxel_weight > 1)) return make_splat_frame(spec, std::move(geometry), dealing, renderers, dealer);
   FrameGeometry geometry = make_geometry(spec, grid);
+  if (!(voxel_weight > 1)) return make_splat_frame(spec, std::move(geometry), dealing, renderers, dealer);
   geometry.reach = narrowed(geometry.reach, voxel_weight);
   lay_regions(geometry, spec);
   auto frame = make_splat_frame(spec, std::move(geometry), dealing, renderers, dealer);

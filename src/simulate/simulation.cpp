@@ -206,7 +206,7 @@ class ChargedEngine final : public EngineDecorator {
   }
 
  private:
-  static bool of_sheets(const Announcement& a) { return method_of(a.body) == Sheets::name; }
+  static bool of_sheets(const Announcement& a) { return std::holds_alternative<Sheets>(method_of(a.body)); }
   static bool has_work(int gp, const FramePlan& plan) {
     for (const FramePlan::Tile& tile : plan.tiles)
       if (tile.renderer != FramePlan::nobody) return std::ranges::find(plan.owners, gp) != plan.owners.end();
@@ -244,7 +244,7 @@ void simulate(const SimulationOptions& simulation, EngineOptions& options) {
         setup.sheet_costs = sheet_costs(*machine, simulation.voxel_weight, setup.bundle);
       }
       auto engine = simulation.count_only ? make_counting_engine(setup, simulation.voxel_weight)
-                                          : make_rank_engine(setup);
+                                          : make_rank_engine({setup});
       if (!machine) return engine;
       return std::make_unique<ChargedEngine>(std::move(engine), *machine,
                                              slices_of(simulation, setup.bundle));
