@@ -26,29 +26,22 @@ struct AlignedSlice {
   int first_tap_x = 0;  ///< offset from a pixel to the leftmost of them, in pixels
   /// [rows][taps][7 pixels][4 channels]: weight of the tap-th voxel, counted from the leftmost, in each pixel
   /// from reach_x before an anchor on. Weights repeat after a step, and each is there once a channel.
-  std::vector<float> weights;
-  double opacity_weight = 1;        ///< Footprint::weight
-  std::vector<glm::ivec2> covered;  ///< pixels with a weight above zero, as offsets from the anchor
+  std::vector<float> weights = {};
+  double opacity_weight = 1;             ///< Footprint::weight
+  std::vector<glm::ivec2> covered = {};  ///< pixels with a weight above zero, as offsets from the anchor
 };
 
 /// A frame whose slices are all aligned, and whose kernels are drawn with a stencil.
-class AlignedFrame {
- public:
-  /// Empty for all other frames. `view`: of the lattice to the image plane.
+struct AlignedFrame {
+  /// Empty unless u goes right and v down, and both steps are 1, 2 or 4 pixels.
   static std::optional<AlignedFrame> of(const Footprint& footprint, const ViewTransform& view, Axis axis);
-
-  KernelReach reach() const { return kernel_reach(footprint_); }
   /// The weights have the bits that SplatSum computes for each splat of the slice.
   AlignedSlice slice(int index) const;
 
- private:
-  AlignedFrame(const Footprint& footprint, const ViewTransform& view, Axis axis, glm::ivec2 steps)
-      : footprint_(footprint), view_(view), axis_(axis), steps_(steps) {}
-
-  Footprint footprint_;
-  ViewTransform view_;
-  Axis axis_;
-  glm::ivec2 steps_;  ///< pixels from voxel to voxel along u and v
+  Footprint footprint;
+  ViewTransform view;  ///< of the lattice to the image plane
+  Axis axis;
+  glm::ivec2 steps;  ///< pixels from voxel to voxel along u and v
 };
 
 }  // namespace ringsplat

@@ -26,23 +26,18 @@ glm::dmat2 compose(double along, double across, glm::dvec2 direction) {
 
 }  // namespace
 
-glm::dmat2 lattice_block(const ViewTransform& view, Axis axis) {
-  const auto [u, v] = in_plane(axis);
-  return {glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v])};
-}
-
 Footprint make_footprint(const ViewTransform& view, Axis axis, double radius) {
-  if (!(radius >= 0.5 && radius <= 8)) {
+  if (!(radius >= 0.5 && radius <= 8))
     throw InputError(fmt::format("kernel radius {} is not within 0.5 to 8 voxels", radius),
                      "1.6 is a good radius: --radius 1.6");
-  }
-  const glm::dmat2 block = lattice_block(view, axis);
+  const auto [u, v] = in_plane(axis);
+  // From steps along u and v to pixels.
+  const glm::dmat2 block(glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v]));
   glm::dmat2 variance = radius * radius * block * glm::transpose(block);
   const double trace = variance[0][0] + variance[1][1];
-  if (!(trace <= widest_half_extent * widest_half_extent)) {
+  if (!(trace <= widest_half_extent * widest_half_extent))
     throw InputError(fmt::format("one voxel's kernel would be {:.3g} pixels wide", 2 * std::sqrt(trace)),
                      "choose a smaller zoom or check the view's matrix");
-  }
 
   Footprint footprint;
   // The eigenvalues are centre ± spread.

@@ -1,7 +1,6 @@
 #pragma once
 #include <glm/mat2x2.hpp>
 #include <glm/vec2.hpp>
-#include <optional>
 
 #include "ringsplat/base/axis.hpp"
 #include "ringsplat/view/view.hpp"
@@ -30,9 +29,6 @@ struct Footprint {
   double weight = 1;
 };
 
-/// What takes steps in the lattice's (u, v) to pixels.
-glm::dmat2 lattice_block(const ViewTransform& view, Axis axis);
-
 /// `radius`: in voxels. Throws InputError for a radius that is not in [0.5, 8], a view that is not finite,
 /// and kernels wider than 2^28 pixels.
 Footprint make_footprint(const ViewTransform& view, Axis axis, double radius);
@@ -54,14 +50,5 @@ int pass_stride(double radius);
 
 /// Largest whole-pixel step between voxels.
 inline constexpr int largest_step = 4;
-
-/// Pixels from voxel to voxel, where u goes right, v goes down, and both steps are 1, 2 or 4; empty for all
-/// other views. `to_pixels`: from lattice (u, v).
-inline std::optional<glm::ivec2> whole_steps(const glm::dmat2& to_pixels) {
-  const auto is_whole = [](double step) { return step == 1 || step == 2 || step == largest_step; };
-  const glm::dvec2 u = to_pixels[0], v = to_pixels[1];
-  if (u.y != 0 || v.x != 0 || !is_whole(u.x) || !is_whole(v.y)) return {};
-  return glm::ivec2(int(u.x), int(v.y));
-}
 
 }  // namespace ringsplat

@@ -102,7 +102,7 @@ DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelRu
 }
 
 VoxelSum::VoxelSum(AlignedFrame frame, const PixelRect& largest) : frame_(std::move(frame)) {
-  const KernelReach reach = frame_.reach();
+  const KernelReach reach = kernel_reach(frame_.footprint);
   const Margins margins = window_margins(reach);
   rows_.left = int(in_whole_blocks(margins.left));
   rows_.buffer = make_slice_buffer(margins, largest);
@@ -117,7 +117,8 @@ VoxelSum::VoxelSum(AlignedFrame frame, const PixelRect& largest) : frame_(std::m
   rows_.filled = filled_.data() + 1 + above * words;
 }
 
-void VoxelSum::begin(RegionImage& image) {
+void VoxelSum::begin(RegionImage& image, int slice) {
+  if (std::exchange(slice_index_, slice) != slice) slice_ = frame_.slice(slice);
   image_ = &image;
   SliceBuffer& buffer = rows_.buffer;
   buffer.height = image.rect().height();
@@ -128,10 +129,6 @@ void VoxelSum::begin(RegionImage& image) {
   for (int pixel = rows_.left; pixel < end; ++pixel)
     inside_[std::size_t(pixel) / 64] |= std::uint64_t{1} << pixel % 64;
   rows_.inside = inside_.data();
-}
-
-void VoxelSum::begin_slice(int slice) {
-  if (std::exchange(slice_index_, slice) != slice) slice_ = frame_.slice(slice);
 }
 
 DrawnBlocks VoxelSum::draw(const VoxelRuns& blocks, std::uint64_t most) {

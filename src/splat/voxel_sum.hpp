@@ -44,9 +44,7 @@ class VoxelSum {
  public:
   VoxelSum(AlignedFrame frame, const PixelRect& largest);  ///< as SplatSum's
 
-  void begin(RegionImage& image);  ///< as SplatSum's
-  /// Goes to a slice, given by its index, before the first of its regions.
-  void begin_slice(int slice);
+  void begin(RegionImage& image, int slice);  ///< as SplatSum's; of the slice with that index
   /// Takes voxels of the slice, in any order but each only once. Stops after `most` voxels or the block in
   /// which they end.
   DrawnBlocks draw(const VoxelRuns& blocks, std::uint64_t most);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "base/byte_stream.hpp"
@@ -168,8 +169,7 @@ class AlignedReader final : public RunCursor {
       : RunCursor(frame.geometry), sum_(aligned, frame.geometry.regions.rect(0)) {}
 
   void begin(int slice, const PayloadPart& part, RegionImage& image) override {
-    sum_.begin(image);
-    sum_.begin_slice(slice);
+    sum_.begin(image, slice);
     begin_part(part);
   }
 
@@ -198,7 +198,7 @@ class RunReader final : public RunCursor {
 
   void begin(int slice, const PayloadPart& part, RegionImage& image) override {
     sum_.begin(image);
-    if (std::exchange(slice_, slice) != slice) row_ = nothing;
+    if (std::exchange(slice_, slice) != slice) row_.reset();
     const PixelRect rect = geometry_.regions.rect(part.region);
     const KernelReach reach = kernel_reach(footprint_);
     corner_x_ = rect.x0 - reach.x - 1;
@@ -244,9 +244,8 @@ class RunReader final : public RunCursor {
   SliceDda dda_;
   int slice_ = -1;                            ///< the DDA's slice
   std::int64_t corner_x_ = 0, corner_y_ = 0;  ///< origin of the bases
-  static constexpr std::uint32_t nothing = ~0U;
-  std::uint32_t row_ = nothing;           ///< the DDA's row in the slice
-  std::int64_t base_x_ = 0, base_y_ = 0;  ///< base of the splats, from the corner
+  std::optional<std::uint32_t> row_;          ///< the DDA's row in the slice
+  std::int64_t base_x_ = 0, base_y_ = 0;      ///< base of the splats, from the corner
   std::vector<Splat> splats_;
   std::uint64_t filled_ = 0;  ///< how many of splats_ are filled
 };

@@ -48,8 +48,7 @@ RowBand::RowBand(const EncoderFrame& frame)
       dda_(frame.geometry.view, frame.geometry.traversal.axis,
            frame.geometry.grid.slice_width(frame.geometry.traversal.axis)),
       counts_(frame.rects.size()),
-      x_(frame.geometry.view.linear[in_plane(frame.geometry.traversal.axis).u].x),
-      y_(frame.geometry.view.linear[in_plane(frame.geometry.traversal.axis).u].y),
+      inverse_step_(1.0 / glm::dvec2(frame.geometry.view.linear[in_plane(frame.geometry.traversal.axis).u])),
       beyond_(double(frame.reach.x) + 0.51, double(frame.reach.y) + 0.51) {}
 
 void RowBand::begin(const SliceView& slice, VisibleVoxels& voxels, int first, int end) {
@@ -75,19 +74,15 @@ bool RowBand::work(int visible_at_most, int voxels_at_most) {
 
 void RowBand::find_row() {
   const auto runs = voxels_->runs().of_row(row_);
-  Columns columns{0, std::uint32_t(slice_.width)};
-  if (!runs.empty()) {
-    dda_.begin_row(slice_.index, row_);
-    x_.begin_row(dda_.row_start().x);
-    y_.begin_row(dda_.row_start().y);
-    columns = reaching_x(0, frame_.geometry.width, columns);
-    if (!columns.empty()) columns = reaching_y(0, frame_.geometry.height, columns);
-  }
+  if (runs.empty()) return found_.take({}, 0, 0);
+  dda_.begin_row(slice_.index, row_);
+  Columns columns = reaching(0, 0, frame_.geometry.width, {0, std::uint32_t(slice_.width)});
+  if (!columns.empty()) columns = reaching(1, 0, frame_.geometry.height, columns);
   for (const ColumnRun& run : runs) {
     const int first = std::max(run.first, int(columns.first)), end = std::min(run.end, int(columns.end));
     outside_ += std::uint64_t(run.end - run.first - std::max(end - first, 0));
   }
-  if (columns.empty() || runs.empty())
+  if (columns.empty())
     found_.take({}, 0, 0);
   else
     found_.take(voxels_->of_row(slice_, row_), columns.first, columns.end);

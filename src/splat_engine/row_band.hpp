@@ -43,28 +43,6 @@ struct Columns {
   bool empty() const { return first >= end; }
 };
 
-/// A row's positions along one axis of the image plane.
-class RowAxis {
- public:
-  /// `step`: distance from column to column.
-  explicit RowAxis(double step) : inverse_(1 / step) {}
-  void begin_row(double start) { start_ = start; }
-  /// The columns among `columns` whose positions lie within [low, high].
-  Columns within(double low, double high, Columns columns) const {
-    if (!std::isfinite(inverse_)) return start_ >= low && start_ <= high ? columns : Columns{0, 0};
-    const double a = (low - start_) * inverse_, b = (high - start_) * inverse_;
-    const double first = std::max(std::min(a, b), double(columns.first)),
-                 last = std::min(std::max(a, b), double(columns.end) - 1);
-    if (!(first <= last)) return {0, 0};
-    const auto truncated = static_cast<std::uint32_t>(static_cast<std::int64_t>(first));
-    return {truncated + (double(truncated) < first),
-            static_cast<std::uint32_t>(static_cast<std::int64_t>(last)) + 1};
-  }
-
- private:
-  double inverse_, start_ = 0;
-};
-
 /// Cuts rows 0 … height − 1 into at most `most` bands with about equal numbers of possibly visible voxels.
 /// Band k has rows bounds[k] … bounds[k + 1] − 1, at least one. There are fewer bands, down to one, when a
 /// band would not be worth a thread. A slice with nothing to see has no bands: {0}.
@@ -141,12 +119,20 @@ class RowBand {
     const glm::dvec3 position = dda_.position(column);
     return pixel_window(anchor(position.x, position.y), frame_.reach);
   }
-  /// Columns of the row whose windows can meet pixels [x0, x1) or [y0, y1); rounding may add a few.
-  Columns reaching_x(double x0, double x1, Columns columns) const {
-    return x_.within(x0 - beyond_.x, x1 + beyond_.x, columns);
-  }
-  Columns reaching_y(double y0, double y1, Columns columns) const {
-    return y_.within(y0 - beyond_.y, y1 + beyond_.y, columns);
+  /// Columns of the row whose windows can meet pixels [low, high) along x (0) or y (1); rounding may add a
+  /// few.
+  Columns reaching(int along, double low, double high, Columns columns) const {
+    low -= beyond_[along];
+    high += beyond_[along];
+    const double start = dda_.row_start()[along], inverse = inverse_step_[along];
+    if (!std::isfinite(inverse)) return start >= low && start <= high ? columns : Columns{0, 0};
+    const double a = (low - start) * inverse, b = (high - start) * inverse;
+    const double first = std::max(std::min(a, b), double(columns.first)),
+                 last = std::min(std::max(a, b), double(columns.end) - 1);
+    if (!(first <= last)) return {0, 0};
+    const auto truncated = static_cast<std::uint32_t>(static_cast<std::int64_t>(first));
+    return {truncated + (double(truncated) < first),
+            static_cast<std::uint32_t>(static_cast<std::int64_t>(last)) + 1};
   }
 
   const EncoderFrame& frame_;
@@ -161,7 +147,7 @@ class RowBand {
   VisibleVoxels* voxels_ = nullptr;   ///< of the slice
   std::vector<RegionCounts> counts_;  ///< by region
   std::vector<int> used_;             ///< regions with splats in this slice
-  RowAxis x_, y_;
+  glm::dvec2 inverse_step_;           ///< from column to column, of pixels
   /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ outside them; plus a margin for
   /// rounding.
   glm::dvec2 beyond_;

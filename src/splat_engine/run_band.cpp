@@ -74,7 +74,7 @@ class RunBand final : public RowBand {
     for (int y = touched.y0; y < touched.y1; ++y) {
       const int first_region = y * frame_.geometry.regions.columns();
       const PixelRect& pixels = rect(first_region);
-      const Columns columns = reaching_y(pixels.y0, pixels.y1, all);
+      const Columns columns = reaching(1, pixels.y0, pixels.y1, all);
       if (columns.empty()) continue;
       for (int x = touched.x0; x < touched.x1; ++x) find_pieces_of(first_region + x, columns);
     }
@@ -83,7 +83,7 @@ class RunBand final : public RowBand {
   /// Finds the row's visible voxels whose windows can meet the region. The painter clips any extra voxel.
   void find_pieces_of(int region, Columns columns) {
     const PixelRect& pixels = rect(region);
-    columns = reaching_x(pixels.x0, pixels.x1, columns);
+    columns = reaching(0, pixels.x0, pixels.x1, columns);
     if (columns.empty()) return;
     OpaqueTiles::Cover hidden = OpaqueTiles::Cover::none;
     if (opaque(region).worth_asking()) hidden = cover_of(region, columns.first, columns.end - 1);

@@ -101,8 +101,7 @@ std::vector<Block> to_blocks(const std::vector<Row>& runs) {
 Painted paint_rows(const Footprint& footprint, const ViewTransform& view, const std::vector<Row>& runs) {
   VoxelSum sum(aligned_frame(footprint, view), {0, 0, width + 9, height + 5});
   RegionImage image({left_x, top_y, left_x + width, top_y + height});
-  sum.begin_slice(slice);
-  sum.begin(image);
+  sum.begin(image, slice);
   DrawCounts counts;
   for (const Block& block : to_blocks(runs)) {
     const auto* where = reinterpret_cast<const std::byte*>(&block.where);
@@ -205,7 +204,7 @@ TEST_CASE("rows of voxels go from region to region") {
   constexpr PixelRect first{left_x, top_y, left_x + width, top_y + height},
       second{left_x, top_y - 3, left_x + width + 9, top_y + 70};
   const auto draw = [](VoxelSum& sum, RegionImage& image, const std::vector<Block>& blocks) {
-    sum.begin(image);
+    sum.begin(image, slice);
     for (const Block& block : blocks) {
       const auto* where = reinterpret_cast<const std::byte*>(&block.where);
       sum.draw(VoxelRuns{where, 1, block.voxels.data()}, 1);
@@ -214,7 +213,6 @@ TEST_CASE("rows of voxels go from region to region") {
   const auto paint_second = [&](bool after_first) {
     VoxelSum sum(aligned_frame(footprint, view), second);
     RegionImage image(first), other(second);
-    sum.begin_slice(slice);
     if (after_first) {
       draw(sum, image, dense);
       sum.composite();
@@ -232,7 +230,6 @@ TEST_CASE("voxels that reach no pixel of a region leave it untouched, and its sl
   const ViewTransform view = aligned_view(1, 1);
   const Footprint footprint = make_footprint(view, Axis::z, 1.6);
   VoxelSum sum(aligned_frame(footprint, view), {0, 0, width, height});
-  sum.begin_slice(slice);
   // A kernel's corner weights are 0: the voxel whose window's corner alone is in the region does not reach
   // it.
   const AlignedSlice aligned = aligned_frame(footprint, view).slice(slice);
@@ -240,12 +237,12 @@ TEST_CASE("voxels that reach no pixel of a region leave it untouched, and its sl
   const auto x = int(aligned.anchor_x) + 12 + aligned.reach_x + 1,
              y = int(aligned.anchor_y) + 20 + aligned.reach_y + 1;
   RegionImage corner({x, y, x + width, y + height});
-  sum.begin(corner);
+  sum.begin(corner, slice);
   const auto* where = reinterpret_cast<const std::byte*>(&voxels[0].where);
   CHECK(sum.draw(VoxelRuns{where, 1, voxels[0].voxels.data()}, 1).counts.clipped == 1);
   sum.composite();
   CHECK_FALSE(corner.touched());
-  sum.begin(corner);
+  sum.begin(corner, slice);
   sum.composite();
   CHECK_FALSE(corner.touched());
 }
