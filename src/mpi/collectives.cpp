@@ -215,6 +215,8 @@ class MpiCollectives final : public Collectives {
 
   std::vector<Block> all_to_all(std::vector<Block> out) override {
     const auto peers = static_cast<std::size_t>(processes());
+    const auto self = static_cast<std::size_t>(process());
+    Block own = std::exchange(out[self], {});
     std::vector<std::uint64_t> out_sizes(peers), in_sizes(peers);
     for (std::size_t p = 0; p < peers; ++p) out_sizes[p] = out[p].size();
     call("MPI_Alltoall", MPI_Alltoall, MPI_Ialltoall, out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1,
@@ -227,23 +229,19 @@ class MpiCollectives final : public Collectives {
     if (watch_) calls = std::unique_lock(watch_->mpi());
     for (std::size_t p = 0; p < peers; ++p) {
       in[p].resize(in_sizes[p]);
-      if (p == static_cast<std::size_t>(process()))
-        in[p] = std::move(out[p]);
-      else
-        in_parts(in[p], [&](std::byte* part, int count) {
-          checked(MPI_Irecv(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(),
-                            &requests.emplace_back()),
-                  "MPI_Irecv");
-        });
+      in_parts(in[p], [&](std::byte* part, int count) {
+        checked(MPI_Irecv(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(),
+                          &requests.emplace_back()),
+                "MPI_Irecv");
+      });
     }
-    for (std::size_t p = 0; p < peers; ++p) {
-      if (p == static_cast<std::size_t>(process())) continue;
+    for (std::size_t p = 0; p < peers; ++p)
       in_parts(out[p], [&](std::byte* part, int count) {
         checked(MPI_Isend(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(),
                           &requests.emplace_back()),
                 "MPI_Isend");
       });
-    }
+    in[self] = std::move(own);
     if (!watch_) {
       checked(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
               "MPI_Waitall (volume exchange)");

@@ -25,8 +25,8 @@ alignas(16) constexpr float cubic[4][4] = {
 struct WarpedRow {
   const float* plane;         ///< RGBA
   std::ptrdiff_t row_floats;  ///< of the plane
-  double start_x, start_y, step_x, step_y;
-  int first, end;  ///< pixels to fill are first … end − 1; all their taps lie in the plane
+  glm::dvec2 start, step;
+  int first = 0, end = 0;  ///< pixels to fill are first … end − 1; all their taps lie in the plane
 };
 
 }  // namespace
@@ -95,8 +95,8 @@ void WarpRow(const WarpedRow& row, float* screen) {
   std::int32_t columns[most_places], rows[most_places];
   for (int first = row.first; first < row.end; first += most_places) {
     const int count = std::min(row.end - first, most_places);
-    find_taps(row.start_x, row.step_x, first, count, columns, places.wx);
-    find_taps(row.start_y, row.step_y, first, count, rows, places.wy);
+    find_taps(row.start.x, row.step.x, first, count, columns, places.wx);
+    find_taps(row.start.y, row.step.y, first, count, rows, places.wy);
     for (int k = 0; k < count; ++k) places.tap[k] = rows[k] * row.row_floats + columns[k] * std::ptrdiff_t{4};
     for (int k = 0; k < count; ++k)
       hn::StoreU(clamp_pixel(sum_columns(row.plane + places.tap[k], row.row_floats, places, k)), FourFloats(),
@@ -126,8 +126,8 @@ void narrow(double start, double step, double low, double high, double& first, d
 }
 
 bool lies_within(const WarpedRow& row, int x, const PixelWindow& firsts) {
-  const double px = std::fma(row.step_x, double(x), row.start_x),
-               py = std::fma(row.step_y, double(x), row.start_y);
+  const double px = std::fma(row.step.x, double(x), row.start.x),
+               py = std::fma(row.step.y, double(x), row.start.y);
   return px >= double(firsts.x0) && px < double(firsts.x1 + 1) && py >= double(firsts.y0) &&
          py < double(firsts.y1 + 1);
 }
@@ -153,20 +153,15 @@ PixelWindow not_clear(const Image& plane, const PixelWindow& window) {
 /// The screen's row y, narrowed to the pixels whose first taps lie in `firsts`.
 WarpedRow seen_of_row(const Image& plane, const PixelWindow& firsts, const PlaneWarp& warp, int y,
                       int width) {
-  // The first tap's centre lies between one and two pixels before the position.
-  const glm::dvec2 start = warp.from_screen({0.5, y + 0.5}) - 1.5;
-  WarpedRow row{plane.rgba.data(),
-                std::ptrdiff_t{4} * plane.width,
-                start.x,
-                start.y,
-                warp.linear[0].x,
-                warp.linear[0].y,
-                0,
-                0};
+  WarpedRow row{.plane = plane.rgba.data(),
+                .row_floats = std::ptrdiff_t{4} * plane.width,
+                // The first tap's centre lies between one and two pixels before the position.
+                .start = warp.from_screen({0.5, y + 0.5}) - 1.5,
+                .step = warp.linear[0]};
   if (firsts.x0 > firsts.x1 || firsts.y0 > firsts.y1) return row;
   double first = 0, end = width;
-  narrow(row.start_x, row.step_x, double(firsts.x0), double(firsts.x1 + 1), first, end);
-  narrow(row.start_y, row.step_y, double(firsts.y0), double(firsts.y1 + 1), first, end);
+  narrow(row.start.x, row.step.x, double(firsts.x0), double(firsts.x1 + 1), first, end);
+  narrow(row.start.y, row.step.y, double(firsts.y0), double(firsts.y1 + 1), first, end);
   if (!(first < end)) return row;
   row.first = static_cast<int>(first);
   row.end = static_cast<int>(end);

@@ -57,10 +57,7 @@ glm::dmat3 lattice_to_world(const LatticeFrame& lattice) {
 
 /// Half of the extent of the volume's box along a world direction of unit length.
 double half_extent(const LatticeFrame& lattice, const glm::dvec3& direction) {
-  const glm::dmat3 axes = lattice_to_world(lattice);
-  double half = 0;
-  for (int k = 0; k < 3; ++k) half += 0.5 * lattice.dims[k] * std::abs(glm::dot(axes[k], direction));
-  return half;
+  return 0.5 * glm::dot(glm::dvec3(lattice.dims), glm::abs(direction * lattice_to_world(lattice)));
 }
 
 /// Radius of the sphere about the volume's box, which ends half a voxel beyond the outer voxel centres.
@@ -153,11 +150,8 @@ ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice
     view.eye = centre + glm::inverse(lattice.direction) * (shown / slope * view.to_viewer) / lattice.spacing;
   }
   view.pixels_per_unit = camera.zoom * (0.5 * side / shown);
-  const glm::dmat3 axes = lattice_to_world(lattice);
-  for (int k = 0; k < 3; ++k)
-    view.linear[k] =
-        view.pixels_per_unit * glm::dvec3(glm::dot(view.right, axes[k]), -glm::dot(view.up, axes[k]),
-                                          -glm::dot(view.to_viewer, axes[k]));
+  const glm::dmat3 to_picture = glm::transpose(glm::dmat3(view.right, -view.up, -view.to_viewer));
+  view.linear = view.pixels_per_unit * (to_picture * lattice_to_world(lattice));
   // The centre is subtracted in lattice coordinates, so a large world origin costs no precision.
   view.offset = glm::dvec3(0.5 * width + camera.pan[0] * side, 0.5 * height + camera.pan[1] * side, 0.0) -
                 view.linear * centre;
@@ -179,30 +173,26 @@ double accurate_dot(const glm::dvec3& a, const glm::dvec3& b, double t) {
 }
 
 ViewTransform view_from_matrix(const std::array<double, 12>& m, const LatticeFrame& lattice) {
-  const glm::dvec3 rows[3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}};
+  const glm::dmat3 rows(m[0], m[1], m[2], m[4], m[5], m[6], m[8], m[9], m[10]);  // as columns
   const glm::dvec3 translation{m[3], m[7], m[11]};
-  const glm::dmat3 by_rows(rows[0], rows[1], rows[2]);
-  if (!is_finite(by_rows) || !is_finite(translation))
+  if (!is_finite(rows) || !is_finite(translation))
     throw InputError("the camera matrix has a number that is not finite",
                      "give twelve finite numbers, row by row");
-  if (spanned_volume(by_rows) < least_volume)
+  if (spanned_volume(rows) < least_volume)
     throw InputError(
         "the camera matrix is singular",
         "its three rows (right, down, depth) must be independent; the depth row may not be zero");
 
   ViewTransform view;
-  const glm::dmat3 axes = lattice_to_world(lattice);
-  for (int r = 0; r < 3; ++r) {
-    for (int k = 0; k < 3; ++k) view.linear[k][r] = glm::dot(rows[r], axes[k]);
-    view.offset[r] = accurate_dot(rows[r], lattice.origin, translation[r]);
-  }
+  view.linear = glm::transpose(rows) * lattice_to_world(lattice);
+  for (int r = 0; r < 3; ++r) view.offset[r] = accurate_dot(rows[r], lattice.origin, translation[r]);
   // Each column of the inverse is orthogonal to two of the rows, so it is parallel to their cross product.
-  const glm::dvec3 unit_rows[3] = {unit(rows[0]), unit(rows[1]), unit(rows[2])};
-  const double sign = glm::determinant(glm::dmat3(unit_rows[0], unit_rows[1], unit_rows[2])) < 0 ? -1.0 : 1.0;
+  const glm::dmat3 unit_rows(unit(rows[0]), unit(rows[1]), unit(rows[2]));
+  const double sign = glm::determinant(unit_rows) < 0 ? -1.0 : 1.0;
   view.right = unit(sign * glm::cross(unit_rows[1], unit_rows[2]));
   view.up = unit(-sign * glm::cross(unit_rows[2], unit_rows[0]));
   view.to_viewer = unit(-sign * glm::cross(unit_rows[0], unit_rows[1]));
-  view.pixels_per_unit = std::cbrt(spanned_volume(by_rows)) * std::cbrt(safe_length(rows[0])) *
+  view.pixels_per_unit = std::cbrt(spanned_volume(rows)) * std::cbrt(safe_length(rows[0])) *
                          std::cbrt(safe_length(rows[1])) * std::cbrt(safe_length(rows[2]));
   return view;
 }

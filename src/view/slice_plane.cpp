@@ -59,18 +59,17 @@ SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ive
   const int k = static_cast<int>(axis);
   SlicePlane plane;
   const auto [pixels_a_voxel, from_screen] = scale(view, axis, samples, least);
-  plane.pixels_a_voxel = pixels_a_voxel;
   const glm::dvec2 exact_shear = from_screen * glm::dvec2(view.linear[k]);
   constexpr double unit = 1.0 / (1 << 30);
   const glm::dvec2 shear{to_multiple(exact_shear.x, unit), to_multiple(exact_shear.y, unit)};
 
   plane.warp = {from_screen, -(from_screen * glm::dvec2(view.offset))};
   // A kernel is never narrower than a pixel, and its window ends within the pixel after that.
-  const glm::dvec2 reach = glm::max(radius * plane.pixels_a_voxel, glm::dvec2(1.0)) + 1.0;
+  const glm::dvec2 reach = glm::max(radius * pixels_a_voxel, glm::dvec2(1.0)) + 1.0;
   Box slices, screen;  // kernels included
   for (const double slice : {0.0, double(dims[k] - 1)}) {
     slices.include(shear * slice - reach);
-    slices.include(shear * slice + plane.pixels_a_voxel * (glm::dvec2(dims[u], dims[v]) - 1.0) + reach);
+    slices.include(shear * slice + pixels_a_voxel * (glm::dvec2(dims[u], dims[v]) - 1.0) + reach);
   }
   for (const double x : {0.0, double(width)})
     for (const double y : {0.0, double(height)}) screen.include(plane.warp.from_screen({x, y}));
@@ -87,8 +86,8 @@ SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ive
   const glm::dvec2 offset = 0.5 - low;
   plane.warp.offset += offset;
   plane.view = view;
-  plane.view.linear[u] = {plane.pixels_a_voxel.x, 0.0, view.linear[u].z};
-  plane.view.linear[v] = {0.0, plane.pixels_a_voxel.y, view.linear[v].z};
+  plane.view.linear[u] = {pixels_a_voxel.x, 0.0, view.linear[u].z};
+  plane.view.linear[v] = {0.0, pixels_a_voxel.y, view.linear[v].z};
   plane.view.linear[k] = {shear, view.linear[k].z};
   plane.view.offset = {offset, view.offset.z};
   return plane;

@@ -21,7 +21,6 @@ struct SlicePlane {
   PlaneWarp warp;
   int width = 1,
       height = 1;  ///< what the screen shows of the slices, with `border` pixels round it that stay empty
-  glm::dvec2 pixels_a_voxel{1.0};
   /// The warp reads four pixels along each axis. If a slice reaches one of them, all four are in the image.
   static constexpr int border = 3;
 };
@@ -33,10 +32,10 @@ double plane_density(const ViewTransform& view, Axis axis, double samples, doubl
 /// of the slices. Where the screen has fewer it is halved, or, below 1, made the screen's, so
 /// that the warp never skips pixels; but never made less than `least`. `radius`: of the kernels, in voxels.
 ///
-/// The shear is rounded to 2⁻³⁰ pixels a slice. Positions are then exact in double precision; where
-/// pixels_a_voxel are whole numbers, a slice's voxels are exactly whole pixels apart. The rounding moves the
-/// last of a thousand slices by less than 10⁻⁶ pixels. Throws InputError when the image would be larger than
-/// 2^20 pixels a side.
+/// The shear is rounded to 2⁻³⁰ pixels a slice. Positions are then exact in double precision; where the plane
+/// has a whole number of pixels a voxel, a slice's voxels are exactly whole pixels apart. The rounding moves
+/// the last of a thousand slices by less than 10⁻⁶ pixels. Throws InputError when the image would be larger
+/// than 2^20 pixels a side.
 SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ivec3& dims, double samples,
                             double radius, int width, int height, double least = 0);
 

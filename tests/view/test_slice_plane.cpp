@@ -22,6 +22,11 @@ struct Planned {
   ViewTransform screen;
   Axis axis;
   SlicePlane plane;
+
+  glm::dvec2 pixels_a_voxel() const {
+    const auto [u, v] = in_plane(axis);
+    return {plane.view.linear[u].x, plane.view.linear[v].y};
+  }
 };
 
 Planned plan(const Camera& camera, const LatticeFrame& lattice, int samples = 1) {
@@ -58,8 +63,9 @@ TEST_CASE("all voxels of a slice have the very same place among the pixels") {
   for (int k = 0; k < 200; ++k) {
     const auto lattice = lattice_of({1000, 800, 900});
     const int samples = 1 << (k % 3);
-    const auto [screen, axis, plane] = plan(random_camera(random, 60), lattice, samples);
-    REQUIRE(plane.pixels_a_voxel == glm::dvec2(samples));
+    const Planned planned = plan(random_camera(random, 60), lattice, samples);
+    const auto& [screen, axis, plane] = planned;
+    REQUIRE(planned.pixels_a_voxel() == glm::dvec2(samples));
     const auto [u, v] = in_plane(axis);
     glm::dvec3 first(0.0), last(0.0);
     first[int(axis)] = last[int(axis)] = 777;
@@ -75,8 +81,9 @@ TEST_CASE("the slices' plane holds what the screen shows, and not much more") {
   std::mt19937 random(3);
   for (int k = 0; k < 300; ++k) {
     const double zoom = std::exp2(k % 7 - 2);
-    const auto [screen, axis, plane] = plan(random_camera(random, zoom), lattice_of({30, 30, 30}), 1 + k % 2);
-    const glm::dvec2 reach = glm::max(radius * plane.pixels_a_voxel, glm::dvec2(1.0));
+    const Planned planned = plan(random_camera(random, zoom), lattice_of({30, 30, 30}), 1 + k % 2);
+    const auto& [screen, axis, plane] = planned;
+    const glm::dvec2 reach = glm::max(radius * planned.pixels_a_voxel(), glm::dvec2(1.0));
     glm::dvec2 low(1e300), high(-1e300);
     for (int corner = 0; corner < 8; ++corner) {
       const glm::dvec2 place(
@@ -100,11 +107,11 @@ TEST_CASE("the slices' plane holds what the screen shows, and not much more") {
 }
 
 TEST_CASE("the slices' plane is never finer than the screen") {
-  const auto [screen, axis, plane] =
-      plan({.azimuth = 20, .elevation = 10}, lattice_of({2000, 1500, 1000}), 2);
+  const Planned planned = plan({.azimuth = 20, .elevation = 10}, lattice_of({2000, 1500, 1000}), 2);
+  const auto& [screen, axis, plane] = planned;
   const auto [u, v] = in_plane(axis);
-  CHECK(plane.pixels_a_voxel.x == Approx(glm::length(glm::dvec2(screen.linear[u]))).epsilon(2e-3));
-  CHECK(plane.pixels_a_voxel.y == Approx(glm::length(glm::dvec2(screen.linear[v]))).epsilon(2e-3));
+  CHECK(planned.pixels_a_voxel().x == Approx(glm::length(glm::dvec2(screen.linear[u]))).epsilon(2e-3));
+  CHECK(planned.pixels_a_voxel().y == Approx(glm::length(glm::dvec2(screen.linear[v]))).epsilon(2e-3));
   CHECK(plane.width <= 1.5 * width);
 }
 
