@@ -9,8 +9,6 @@
 
 #include "app/views.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
-#include "frame/frame_geometry.hpp"
 #include "images/image_file.hpp"
 #include "images/image_io.hpp"
 #include "net/launcher.hpp"

@@ -6,7 +6,6 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <utility>
 
 #include "base/printable.hpp"
 #include "base/text.hpp"

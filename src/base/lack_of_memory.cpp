@@ -6,7 +6,6 @@
 
 #include <cstdlib>
 #include <new>
-#include <string>
 #include <system_error>
 
 #include "ringsplat/base/error.hpp"

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstring>
 #include <fstream>
 #include <glm/common.hpp>
 #include <nlohmann/json.hpp>

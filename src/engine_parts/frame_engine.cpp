@@ -1,6 +1,5 @@
 #include "engine_parts/frame_engine.hpp"
 
-#include <algorithm>
 #include <cstring>
 #include <span>
 

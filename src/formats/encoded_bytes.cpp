@@ -10,7 +10,6 @@
 #include <array>
 #include <cctype>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <new>
 #include <optional>

@@ -5,7 +5,6 @@
 
 #include <csignal>
 #include <thread>
-#include <utility>
 
 #include "base/log.hpp"
 #include "base/process.hpp"

@@ -21,7 +21,6 @@
 #include "sheet_engine/slab_table.hpp"
 #include "sheet_engine/value_table.hpp"
 #include "sheet_engine/visible_tiles.hpp"
-#include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
 namespace {

@@ -13,7 +13,6 @@
 #include "ringsplat/base/error.hpp"
 #include "splat_engine/row_band.hpp"
 #include "splat_engine/splat_engine.hpp"
-#include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,8 +1,5 @@
 #include "truth/certified.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <optional>
 #include <utility>
 
 #include "ringsplat/base/error.hpp"

@@ -1,7 +1,6 @@
 #include "truth/enclosed_curve.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace ringsplat::truth {

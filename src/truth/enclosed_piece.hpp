@@ -1,7 +1,6 @@
 #pragma once
 #include <algorithm>
 #include <array>
-#include <glm/geometric.hpp>
 #include <optional>
 
 #include "truth/enclosed_curve.hpp"

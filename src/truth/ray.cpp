@@ -2,7 +2,6 @@
 
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
 
 namespace ringsplat::truth {
 

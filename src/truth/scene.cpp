@@ -1,6 +1,5 @@
 #include "truth/scene.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "app/render_job.hpp"
 #include "app/views.hpp"
 #include "base/log.hpp"
 #include "images/image_io.hpp"

@@ -12,7 +12,6 @@
 #include <cstring>
 #include <new>
 #include <span>
-#include <string_view>
 #include <utility>
 
 #include "base/byte_order.hpp"

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
-#include <optional>
 #include <sstream>
 #include <string_view>
 #include <utility>
