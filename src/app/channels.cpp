@@ -1,7 +1,5 @@
 #include "app/channels.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 

@@ -1,7 +1,5 @@
 #include "app/frame_output.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>

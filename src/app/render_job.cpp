@@ -1,7 +1,5 @@
 #include "app/render_job.hpp"
 
-#include <fmt/format.h>
-
 #include <filesystem>
 #include <limits>
 #include <set>

@@ -1,7 +1,5 @@
 #include "classify/colour_maps.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cctype>
 #include <cmath>

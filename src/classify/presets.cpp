@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include "base/text.hpp"
 #include "classify/auto_preset.hpp"
 #include "ringsplat/base/error.hpp"

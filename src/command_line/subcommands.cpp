@@ -1,7 +1,5 @@
 #include "command_line/command_line.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 

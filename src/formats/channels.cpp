@@ -1,7 +1,5 @@
 #include "formats/channels.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 #include <type_traits>

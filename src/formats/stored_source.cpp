@@ -1,7 +1,5 @@
 #include "formats/stored_source.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <glm/gtc/packing.hpp>
 #include <utility>

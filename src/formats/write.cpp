@@ -1,6 +1,5 @@
 #include "formats/write.hpp"
 
-#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>

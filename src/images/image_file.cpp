@@ -1,7 +1,6 @@
 #include "images/image_file.hpp"
 
 #include <dlfcn.h>
-#include <fmt/format.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>

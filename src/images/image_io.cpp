@@ -1,7 +1,5 @@
 #include "images/image_io.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>

@@ -1,7 +1,5 @@
 #include "net/agree.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "base/fingerprint.hpp"

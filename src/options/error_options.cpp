@@ -1,5 +1,4 @@
 // Options of errors and truths, and what completes those of a picture.
-#include <fmt/format.h>
 
 #include "base/text.hpp"
 #include "options/option_tables.hpp"

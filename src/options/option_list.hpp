@@ -9,8 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include <fmt/format.h>
-
 #include "base/text.hpp"
 
 /// Options as tables: a row says all about one option and what reads its words.

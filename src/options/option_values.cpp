@@ -1,7 +1,5 @@
 #include "options/option_values.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

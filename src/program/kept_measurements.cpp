@@ -1,7 +1,5 @@
 #include "program/kept_measurements.hpp"
 
-#include <fmt/format.h>
-
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>

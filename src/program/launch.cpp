@@ -1,7 +1,5 @@
 #include "program/launch.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 #include "base/lack_of_memory.hpp"

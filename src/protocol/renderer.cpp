@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <deque>
 #include <map>
 #include <memory>

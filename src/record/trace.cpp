@@ -1,7 +1,5 @@
 #include "record/trace.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

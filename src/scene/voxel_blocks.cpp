@@ -1,7 +1,5 @@
 #include "scene/dealer.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
 

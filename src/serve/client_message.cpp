@@ -1,7 +1,5 @@
 #include "serve/client_message.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>

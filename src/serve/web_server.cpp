@@ -1,8 +1,6 @@
 // The only source that includes Beast, which takes half a minute to compile.
 #include "serve/web_server.hpp"
 
-#include <fmt/format.h>
-
 #include <csignal>
 #include <thread>
 

@@ -1,7 +1,5 @@
 #include "ringsplat/session/session.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <exception>
 #include <map>

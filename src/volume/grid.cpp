@@ -1,7 +1,5 @@
 #include "ringsplat/volume/grid.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

@@ -1,7 +1,5 @@
 #include "words/block_session.hpp"
 
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 #include <fstream>
 #include <sstream>

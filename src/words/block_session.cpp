@@ -1,7 +1,5 @@
 #include "words/block_session.hpp"
 
-#include <fmt/format.h>
-
 #include "app/views.hpp"
 #include "base/log.hpp"
 #include "images/image_io.hpp"

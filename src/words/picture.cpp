@@ -1,7 +1,5 @@
 #include "words/picture.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <utility>

@@ -1,6 +1,5 @@
 #include "decode/dicom/elements.hpp"
 
-#include <fmt/format.h>
 #include <gdcmDict.h>
 #include <gdcmDicts.h>
 #include <gdcmGlobal.h>

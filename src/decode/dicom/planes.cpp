@@ -1,7 +1,5 @@
 #include "decode/dicom/planes.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>

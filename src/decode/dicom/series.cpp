@@ -1,7 +1,5 @@
 #include "decode/dicom/series.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <functional>
 #include <map>

@@ -1,7 +1,5 @@
 #include "decode/hdf5/datasets.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <limits>

@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <span>
 #include <utility>
 #include <vector>

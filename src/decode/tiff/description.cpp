@@ -1,7 +1,5 @@
 #include "decode/tiff/description.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>

@@ -1,7 +1,5 @@
 #include "decode/tiff/file.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <bit>

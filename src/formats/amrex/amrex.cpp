@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <glm/gtc/type_ptr.hpp>
 #include <glm/vector_relational.hpp>

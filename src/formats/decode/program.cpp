@@ -1,6 +1,5 @@
 #include "formats/decode/program.hpp"
 
-#include <fmt/format.h>
 #include <signal.h>
 #include <sys/mman.h>
 #include <sys/socket.h>

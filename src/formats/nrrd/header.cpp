@@ -1,7 +1,5 @@
 #include "formats/nrrd/header.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>

@@ -1,7 +1,5 @@
 #include "formats/vti/header.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <initializer_list>

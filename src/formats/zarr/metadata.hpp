@@ -1,5 +1,4 @@
 #pragma once
-#include <fmt/format.h>
 
 #include <cstdint>
 #include <filesystem>

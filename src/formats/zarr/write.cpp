@@ -1,7 +1,6 @@
 #include "formats/zarr/write.hpp"
 
 #include <blosc.h>
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <bit>
