@@ -1,7 +1,5 @@
 #include "app/render_job.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <map>
 #include <set>
@@ -280,7 +278,7 @@ Scene load(const Job& job, OpenedVolume& volume, Progress& progress, Launch& lau
   Scene scene = load_scene(volume, told, job.layout, launch.wiring(job.options.run.loopback));
   progress.end();
   volume.source.reset();
-  if (!job.load.half_of) check_values(scene.values, "check the file's --type and --endian");
+  check_values(scene.values, "check the file's --type and --endian");
   return scene;
 }
 

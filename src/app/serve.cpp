@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
 
@@ -320,15 +319,19 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
     job.load.half_of = coarse ? std::optional(job.volume.grid) : std::nullopt;
     job.load.prefilter = coarse.value_or(job.options.frame.shown.reduction).prefilter;
     loader.load_channels(scene, 0);
-    if (coarse && scene.values.range.empty()) return false;
     first = job.options.frame.shown;
     launch.check_on_rank_0([&] {
       made = job.channels.empty() ? job.transfer_function->make(scene.values, first)
                                   : make_function(job.channels.front(), job.options, scene.values, first);
     });
-    return true;
   };
-  if (!load_first(begun)) load_first({});
+  try {
+    load_first(begun);
+  } catch (const InputError&) {
+    // What is wrong with an eighth of the voxels may be right with all.
+    if (!begun) throw;
+    load_first({});
+  }
   if (job.channels.empty() && launch.of_rank_0(first.interpolation == Interpolation::nearest) &&
       job.load.factors.size() > 1) {
     // A mean of labels is another label, and coarse data may lack some.

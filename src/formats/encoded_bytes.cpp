@@ -154,6 +154,7 @@ class BytesInText : public BytesInOrder {
 using DigitValues = std::array<std::uint8_t, 256>;
 constexpr std::uint8_t no_digit = 255;
 
+constexpr const char* again = "the file was cut short or is damaged: copy or write it again";
 /// By character, of digits that begin with 0 again after every `base` of them.
 constexpr DigitValues values_of(std::string_view digits, std::size_t base) {
   DigitValues values{};
@@ -192,12 +193,13 @@ class BytesOfDigits final : public BytesInText {
     int pads = 0;
     for (int i = 0; i < digits; ++i) {
       const auto c = next();
-      const auto value = c ? (hex_ ? of_hex : of_base64)[static_cast<unsigned char>(*c)] : no_digit;
+      if (!c) refuse(file_.path(), again, "its data ends too early, at byte {}", text_->position());
+      const auto value = (hex_ ? of_hex : of_base64)[static_cast<unsigned char>(*c)];
       if (!hex_ && c == '=' && i > 1)
         ++pads;
       else if (value == no_digit || pads > 0)
-        refuse(file_.path(), "the file was cut short or is damaged: copy or write it again",
-               "byte {} is no {}", text_->position() - 1, hex_ ? "hexadecimal digit" : "base64");
+        refuse(file_.path(), again, "byte {} is no {}", text_->position() - 1,
+               hex_ ? "hexadecimal digit" : "base64");
       else
         group_ = group_ << bits | value;
     }

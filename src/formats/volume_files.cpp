@@ -1,6 +1,5 @@
 #include "formats/volume_files.hpp"
 
-#include <fmt/format.h>
 #include <fmt/printf.h>
 #include <sys/stat.h>
 
@@ -107,7 +106,8 @@ std::vector<std::string> numbered_names(const std::string& pattern, std::int64_t
   constexpr std::size_t most_digits = 3;
   std::vector<std::string> names;
   if (percent == std::string::npos || letter == std::string::npos || pattern[letter] != 'd' ||
-      letter - percent > 1 + most_digits || pattern.find('%', letter) != std::string::npos)
+      letter - percent > 1 + most_digits || (letter > percent + 1 && pattern[percent + 1] != '0') ||
+      pattern.find('%', letter) != std::string::npos)
     return names;
   for (std::int64_t k = 0; k < count; ++k) names.push_back(fmt::sprintf(pattern, first + k * step));
   return names;

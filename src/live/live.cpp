@@ -1,7 +1,5 @@
 #include "ringsplat/live/live.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <mutex>
@@ -26,7 +24,7 @@ using serve::SteerMessage;
 enum class Act : std::uint8_t { go_on, draw, count_and_draw, answer, hold };
 
 constexpr double soon = 0.2;  ///< seconds, as often as people read
-/// A page's first picture does not wait for this debt's end, in seconds.
+/// A page's first picture is drawn at once where no more seconds than these are owed.
 constexpr double most_debt_of_first = 0.5;
 
 FrameSpec first_frame(const LiveOptions& options, const ValueStatistics& values) {

@@ -203,7 +203,7 @@ void add_server_options(OptionList& list, ServeOptions& o) {
       {"--target-ms", "MS", initial, "Milliseconds that a picture may take while the volume is turned",
        value(o.target_ms, {1.0, 10000.0})},
       {"--coarse-above", "MIB", initial,
-       "Show every second voxel along each axis while a volume of so much or more is loaded",
+       "Show an eighth of the voxels while a volume of so much or more is loaded, where its format allows",
        value(o.coarse_above_mib, {0.0, 1e12})},
       {"--allow-host", "HOST:PORT", nullptr,
        "Another name under which a proxy or tunnel shows the page; may be given several times",

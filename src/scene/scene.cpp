@@ -1,7 +1,5 @@
 #include "scene/scene.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -75,7 +73,7 @@ class CoarseLabels final : public ForwardingSource {
 
 /// Deals the labels of all levels as the volume is dealt, and gives them to its stores.
 void add_labels(Scene& scene, OpenedVolume& volume, LoadOptions options, const Sharing& sharing) {
-  OpenedVolume labels{volume.grid, volume.concurrent};
+  OpenedVolume labels{volume.grid, volume.concurrent, nullptr};
   labels.grid.type = ScalarType::uint8;
   if (volume.source) labels.source = std::make_unique<ForwardingSource>(*volume.source->labels());
   options.with_normals = options.with_cell_ranges = false;
@@ -85,7 +83,7 @@ void add_labels(Scene& scene, OpenedVolume& volume, LoadOptions options, const S
   Scene dealt = deal_scene(labels, options, sharing);
   for (const int factor : factors) {
     if (factor == 1) continue;
-    OpenedVolume level{reduced_grid(labels.grid, {factor, options.prefilter}), labels.concurrent};
+    OpenedVolume level{reduced_grid(labels.grid, {factor, options.prefilter}), labels.concurrent, nullptr};
     if (labels.source) level.source = std::make_unique<CoarseLabels>(*labels.source, level.grid, factor);
     for (auto& [gp, store] : deal_slices(level, options, sharing))
       dealt.stores.at(gp).add_level(factor, std::move(store));

@@ -14,23 +14,20 @@
 namespace ringsplat::serve {
 namespace {
 
-struct Line {
-  glm::dvec2 from, to;
-};
-
-/// What lies in the picture, so that a line's mask is never larger.
-std::optional<Line> within(const Line& line, const glm::dvec2& size) {
-  const glm::dvec2 way = line.to - line.from;
+/// What of a line lies in the picture, so that its mask is never larger.
+std::optional<std::pair<glm::dvec2, glm::dvec2>> within(const glm::dvec2& from, const glm::dvec2& to,
+                                                        const glm::dvec2& size) {
+  const glm::dvec2 way = to - from;
   double first = 0, last = 1;
   for (int k = 0; k < 2; ++k) {
-    const double a = -line.from[k] / way[k], b = (size[k] - line.from[k]) / way[k];
+    const double a = -from[k] / way[k], b = (size[k] - from[k]) / way[k];
     if (way[k] != 0)
       first = std::max(first, std::min(a, b)), last = std::min(last, std::max(a, b));
-    else if (!(line.from[k] >= 0 && line.from[k] <= size[k]))
+    else if (!(from[k] >= 0 && from[k] <= size[k]))
       return std::nullopt;
   }
   if (!(first < last)) return std::nullopt;
-  return Line{line.from + first * way, line.from + last * way};
+  return std::pair(from + first * way, from + last * way);
 }
 
 std::string angle_text(const glm::dvec3& a, const glm::dvec3& b) {
@@ -53,12 +50,13 @@ Overlay ruler_overlay(const Ruler& ruler, const Shown& shown, const Grid& grid, 
     const glm::dvec3 &from = ruler[k - 1], &to = ruler[k];
     ways.push_back(grid.direction * (grid.spacing * (to - from)));
     if (!std::isfinite(view.magnification(from)) || !std::isfinite(view.magnification(to))) continue;
-    const auto line = within({view.seen_at(from), view.seen_at(to)}, {shown.width, shown.height});
+    const auto line = within(view.seen_at(from), view.seen_at(to), {shown.width, shown.height});
     if (!line) continue;
-    drawing.line(line->from, line->to, drawing.ink());
+    const auto& [begin, end] = *line;
+    drawing.line(begin, end, drawing.ink());
     write(fmt::format("{:.5g} {}", glm::length(ways.back()), unit.empty() ? "units" : unit),
-          0.5 * (line->from + line->to));
-    if (ways.size() == 2) write(angle_text(-ways[0], ways[1]), line->from);
+          0.5 * (begin + end));
+    if (ways.size() == 2) write(angle_text(-ways[0], ways[1]), begin);
   }
   return std::move(drawing.drawn);
 }

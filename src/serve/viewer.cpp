@@ -234,7 +234,8 @@ class PageViewer final : public Viewer, ServerEvents {
     if (!wish->level) {
       if (wish->rests) show_again(wish->view);
     } else if (!views_.can_draw(wish->view.message.scene)) {
-      ask_for(wish->view.message.scene.volumes());
+      // What is begun is loaded first, and shown meanwhile.
+      if (!views_.held().coarse) ask_for(wish->view.message.scene.volumes());
     } else {
       views_.begun();
       rendering_ = {next_frame_, *wish};

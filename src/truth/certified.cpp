@@ -23,7 +23,7 @@ class Certifier : EnclosedTracer {
   EnclosedPiece composited(const LatticeRay& ray, const Way& way) const {
     Sight sight{.pieces_left = most_pieces_};
     for_passages(ray, way, [&](const Passage& passage) {
-      if (passage.enter < passage.leave || !rays_.planes().empty()) pass(ray, passage, sight);
+      pass(ray, passage, sight);
       return !hidden(sight);
     });
     sight.rest_open = hidden(sight);

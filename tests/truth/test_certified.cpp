@@ -305,6 +305,23 @@ TEST_CASE("a clip plane's crossing in 80 bits is as near as it is said to be") {
   CHECK(beside > 0);
 }
 
+TEST_CASE("bounds hold whichever of two faces a ray through an edge crosses first") {
+  // A ray along the diagonal goes through edges of clear voxels, beside which all are dense.
+  const Case board{
+      "board",
+      make_volume(glm::ivec3(8), ScalarType::float32, [](int x, int y, int) { return double((x + y) % 2); }),
+      with_opacities({{0, 0}, {1, 1}}), true};
+  FrameSpec spec = spec_of(board, {.azimuth = -45}, Shading::none);
+  spec.shown.width = spec.shown.height = 9;
+  const std::vector<truth::Pixel> middle{{4, 4}};
+  const auto bounds = truth::certified_bounds(scene_of(board.volume, spec), middle, wanted);
+  CHECK(bounds.front().high.a > 0.9);
+  for (const double beside : {-1e-11, 0.0, 1e-11}) {
+    spec.shown.camera.azimuth = -45 + beside;
+    CHECK(outside(bounds, truth::field_truth(scene_of(board.volume, spec), middle, 1e-9), 1e-8) == 0);
+  }
+}
+
 TEST_CASE("bounds hold what is on either side of a face that a clip plane lies in") {
   // From straight before: opaque voxels, behind whose last face the plane cuts.
   const Case halves{

@@ -133,8 +133,12 @@ def view(
             allowed = [f"--allow-frame={one}" for one in frame_origins]
             if through is not None:
                 server = urllib.parse.urlsplit(through)
-                origin_of_server = f"{server.scheme}://{server.netloc}"
-                allowed += [f"--allow-host={server.netloc}"]
+                if server.scheme not in ("http", "https") or not server.hostname:
+                    hint = "give its address, such as https://hub.example.org/user/anna"
+                    raise InputError(f"through={through!r} is no Jupyter server; hint: {hint}")
+                place = server.netloc.rpartition("@")[2].lower()
+                origin_of_server = f"{server.scheme}://{place}"
+                allowed += [f"--allow-host={place}"]
                 allowed += [f"--allow-{what}={origin_of_server}" for what in ("origin", "frame")]
             command = ["serve", path, f"--port={port}", *allowed, *source.words, *words]
             return View(command, folder, width, height, through)

@@ -28,7 +28,7 @@ export class FilmPanel {
 
   set(frames) {
     this.stop();
-    this.frames = frames;
+    this.frames = frames = frames.map(({ ruler, ...frame }) => frame);  // pictures have the present one
     if (this.app.hello) history.replaceState({ film: this.app.volume.name, frames }, '');
     const act = (label, title, disabled, onclick) =>
       element('button', { 'aria-label': title, title, disabled, onclick }, label);
@@ -118,12 +118,12 @@ export class FilmPanel {
 
   /** What the server answers to a question for each frame, whatever becomes of the key frames meanwhile. */
   async *answers(count, question) {
-    const { frames } = this;
+    const { frames } = this, { ruler } = this.app.scene.state;
     for (let index = 0; index < count; ++index) {
       byId('film-progress').value = index;
       byId('film-words').textContent = `${index} of ${count}`;
       const state = sceneAt(frames, (index / (count - 1)) * (frames.length - 1), this.app.volume.dims);
-      yield await this.app.connection.ask({ ...question, index, state, ruler: state.ruler }, this.job.signal);
+      yield await this.app.connection.ask({ ...question, index, state, ruler }, this.job.signal);
     }
   }
 

@@ -30,7 +30,8 @@ const checks = {
   frame: (f) => Number.isInteger(f) && f >= 0,
   compare: (f) => f === null || (Number.isInteger(f) && f >= 0),
   difference: (gain) => [0, 1, 4, 16].includes(gain),
-  ruler: (places) => Array.isArray(places) && places.length <= 3 && places.every((place) => isNumbers(place, 3)),
+  ruler: (places) => Array.isArray(places) && places.length <= 3 && places.every((place) => isNumbers(place, 3) &&
+    place.every((p) => Math.abs(p) <= 1e6)),
 };
 
 /** Keeps the known, valid members of a state from outside; names the others. */
