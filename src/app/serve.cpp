@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <tuple>
 #include <utility>
 
 #include "app/commands.hpp"
@@ -240,6 +241,39 @@ std::optional<Reduction> coarse_first(const ServeOptions& options, const Job& jo
   return {};
 }
 
+/// The first volume and how it is shown; of coarse data where `coarse` says how to make it and that will do.
+std::tuple<Scene, MadeFunction, Shown> load_first(const std::optional<Reduction>& coarse,
+                                                  SeriesLoader& loader, Job& job, Launch& launch) {
+  Scene scene;
+  MadeFunction made;
+  Shown shown;
+  const auto load = [&](const std::optional<Reduction>& half) {
+    scene = {};
+    shown = job.options.frame.shown;
+    job.load.half_of = half ? std::optional(job.volume.grid) : std::nullopt;
+    job.load.prefilter = half.value_or(shown.reduction).prefilter;
+    loader.load_channels(scene, 0);
+    launch.check_on_rank_0([&] {
+      made = job.channels.empty() ? job.transfer_function->make(scene.values, shown)
+                                  : make_function(job.channels.front(), job.options, scene.values, shown);
+    });
+  };
+  try {
+    load(coarse);
+  } catch (const InputError&) {
+    // What is wrong with an eighth of the voxels may be right with all.
+    if (!coarse) throw;
+    load({});
+  }
+  if (job.channels.empty() && launch.of_rank_0(shown.interpolation == Interpolation::nearest) &&
+      job.load.factors.size() > 1) {
+    // A mean of labels is another label, and coarse data may lack some.
+    job.options.frame.shown.reduction.prefilter = false;
+    load({});
+  }
+  return {std::move(scene), std::move(made), std::move(shown)};
+}
+
 /// Thrown on all ranks where the viewer has ended while a volume was loaded.
 struct Ended {};
 
@@ -311,33 +345,7 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
   Progress progress(launch.rank() != 0, stderr);
   SeriesLoader loader(job, pictures_held, progress, launch);
   if (!options.picture.more_volumes.empty()) loader.check_all();
-  Scene scene;
-  MadeFunction made;
-  Shown first;
-  const auto load_first = [&](const std::optional<Reduction>& coarse) {
-    scene = {};
-    job.load.half_of = coarse ? std::optional(job.volume.grid) : std::nullopt;
-    job.load.prefilter = coarse.value_or(job.options.frame.shown.reduction).prefilter;
-    loader.load_channels(scene, 0);
-    first = job.options.frame.shown;
-    launch.check_on_rank_0([&] {
-      made = job.channels.empty() ? job.transfer_function->make(scene.values, first)
-                                  : make_function(job.channels.front(), job.options, scene.values, first);
-    });
-  };
-  try {
-    load_first(begun);
-  } catch (const InputError&) {
-    // What is wrong with an eighth of the voxels may be right with all.
-    if (!begun) throw;
-    load_first({});
-  }
-  if (job.channels.empty() && launch.of_rank_0(first.interpolation == Interpolation::nearest) &&
-      job.load.factors.size() > 1) {
-    // A mean of labels is another label, and coarse data may lack some.
-    job.options.frame.shown.reduction.prefilter = false;
-    load_first({});
-  }
+  auto [scene, made, first] = load_first(begun, loader, job, launch);
   launch.check_on_rank_0([&] {
     viewer = serve::make_viewer(viewer_options(options, job, scene, made, first, launch));
     if (job.load.half_of) viewer->loaded({{0}, ranges_of(scene), Reduction{2, job.load.prefilter}});

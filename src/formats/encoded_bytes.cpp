@@ -154,7 +154,6 @@ class BytesInText : public BytesInOrder {
 using DigitValues = std::array<std::uint8_t, 256>;
 constexpr std::uint8_t no_digit = 255;
 
-constexpr const char* again = "the file was cut short or is damaged: copy or write it again";
 /// By character, of digits that begin with 0 again after every `base` of them.
 constexpr DigitValues values_of(std::string_view digits, std::size_t base) {
   DigitValues values{};
@@ -215,6 +214,7 @@ class BytesOfDigits final : public BytesInText {
     return c;
   }
 
+  static constexpr const char* again = "the file was cut short or is damaged: copy or write it again";
   bool hex_;
   std::uint32_t group_ = 0;
   std::size_t left_ = 0;  ///< bytes of the group

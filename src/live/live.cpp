@@ -23,9 +23,8 @@ using serve::SteerMessage;
 /// What all ranks do next in show().
 enum class Act : std::uint8_t { go_on, draw, count_and_draw, answer, hold };
 
-constexpr double soon = 0.2;  ///< seconds, as often as people read
-/// A page's first picture is drawn at once where no more seconds than these are owed.
-constexpr double most_debt_of_first = 0.5;
+constexpr double soon = 0.2;                ///< seconds, as often as people read
+constexpr double most_debt_of_first = 0.5;  ///< seconds owed, up to which a page's first picture is drawn
 
 FrameSpec first_frame(const LiveOptions& options, const ValueStatistics& values) {
   FrameSpec frame;

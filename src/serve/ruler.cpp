@@ -30,11 +30,6 @@ std::optional<std::pair<glm::dvec2, glm::dvec2>> within(const glm::dvec2& from, 
   return std::pair(from + first * way, from + last * way);
 }
 
-std::string angle_text(const glm::dvec3& a, const glm::dvec3& b) {
-  const double degrees = glm::degrees(std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
-  return fmt::format("{:.4g} deg", degrees);  // some fonts and libraries lack the sign
-}
-
 }  // namespace
 
 Overlay ruler_overlay(const Ruler& ruler, const Shown& shown, const Grid& grid, const std::string& unit,
@@ -56,7 +51,10 @@ Overlay ruler_overlay(const Ruler& ruler, const Shown& shown, const Grid& grid, 
     drawing.line(begin, end, drawing.ink());
     write(fmt::format("{:.5g} {}", glm::length(ways.back()), unit.empty() ? "units" : unit),
           0.5 * (begin + end));
-    if (ways.size() == 2) write(angle_text(-ways[0], ways[1]), begin);
+    if (ways.size() < 2) continue;
+    const glm::dvec3 back = -ways[k - 2], &way = ways[k - 1];
+    const double angle = std::atan2(glm::length(glm::cross(back, way)), glm::dot(back, way));
+    write(fmt::format("{:.4g} deg", glm::degrees(angle)), begin);  // some fonts and libraries lack the sign
   }
   return std::move(drawing.drawn);
 }

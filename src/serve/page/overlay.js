@@ -104,7 +104,6 @@ function drawRuler(context, colours, places, words) {
   trace(context, places);
   strokeTwice(context, colours);
   for (const [x, y] of places) context.fillRect(x - 3, y - 3, 6, 6);
-  context.textAlign = 'left';
   context.textBaseline = 'bottom';
   words.forEach((text, k) => {
     const [a, b] = [places[k], places[k + 1]];
