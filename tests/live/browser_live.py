@@ -18,7 +18,8 @@ def words(page):
 
 
 def held_step(page):
-    page.wait("document.getElementById('run-words').textContent.includes('held')")
+    """Pages are told that it is held before it has ended its step; only where it is held do pictures rest."""
+    page.wait("document.getElementById('run-words').textContent.includes('held') && ringsplat.shown.at(-1).atRest")
     return int(re.match(r"step (\d+)", words(page)).group(1))
 
 
