@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/measuring.hpp"
 #include "app/render_job.hpp"
 #include "app/views.hpp"
 #include "base/child_program.hpp"
@@ -284,21 +285,25 @@ void FrameOutput::show(const std::string& volume, const ValueRange& range) {
   range_ = range;
 }
 
-const MeasuredError& FrameOutput::error_of(KeptFrame& kept) {
-  if (kept.error) return *kept.error;
-  if (!truth_) truth_ = read_whole(*open_volume(options_.volume)).scene;
-  truth_->frame = kept.frame.result.spec;
-  truth_->frame.how = options_.frame.how;  // an error budget may have chosen a cheaper one
-  return kept.error.emplace(measure(kept.frame.result.image, *truth_, options_.error));
-}
-
-std::vector<Judged> FrameOutput::judge() {
+std::vector<Judged> FrameOutput::judge(Launch& launch) {
   std::vector<Judged> judged;
-  for (KeptFrame& kept : kept_) {
-    if (kept.error) continue;
-    judged.push_back({kept.frame.result.spec, kept.frame.file.string(), error_of(kept).held()});
-  }
-  truth_.reset();
+  std::vector<KeptFrame*> open;
+  for (KeptFrame& kept : kept_)
+    if (!kept.error) open.push_back(&kept);
+  if (!launch.of_rank_0(!open.empty())) return judged;
+  progress_.begin("measuring errors", double(open.size()));
+  measure_together(job_, launch, [&](truth::Scene& scene, const Measure& measure) {
+    scene.poll = [&](double done) { progress_.at(double(judged.size()) + done); };
+    for (KeptFrame* const kept : open) {
+      const auto& [result, file, volume, range] = kept->frame;
+      scene.frame = result.spec;
+      scene.frame.how = options_.frame.how;  // an error budget may have chosen a cheaper one
+      kept->error = measure(kept->frame.result.image);
+      if (!options_.budget.max_error) kept->of_level = level_error(result.image, scene, options_);
+      judged.push_back({result.spec, file.string(), kept->error->held()});
+    }
+  });
+  progress_.end();
   return judged;
 }
 
@@ -352,13 +357,10 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
 void FrameOutput::finish() {
   writer_.finish();
   for (KeptFrame& kept : kept_) {
-    const MeasuredError& error = error_of(kept);
-    write(kept.frame, &error);
-    progress_.print(to_text(error));
-    const auto cost = truth_ ? level_error(kept.frame.result.image, *truth_, options_) : std::string();
-    if (!cost.empty()) progress_.print(cost);
+    write(kept.frame, kept.error ? &*kept.error : nullptr);
+    if (kept.error) progress_.print(to_text(*kept.error));
+    if (!kept.of_level.empty()) progress_.print(kept.of_level);
   }
-  truth_.reset();
   stats_->finish();
   if (empty_frames_ > 1) log_warning("{} of {} frames are empty", empty_frames_, seconds_.size());
   if (nearly_empty_frames_ > 1)

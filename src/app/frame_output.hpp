@@ -76,6 +76,7 @@ bool names_film(const std::filesystem::path& output);
 /// Throws InputError for a run that makes no film, and where there is no ffmpeg.
 void check_film(const RenderOptions& options);
 
+class Launch;
 class StatsOutput;
 struct Job;
 
@@ -88,13 +89,13 @@ class FrameOutput {
   ~FrameOutput();
 
   /// Has the picture written; its frame's number counts views. When its error is to be measured it keeps the
-  /// picture until finish(), as a truth takes too long for other ranks to wait. Throws RunError when an
+  /// picture until finish(), as a truth takes too long for frames to wait. Throws RunError when an
   /// earlier picture could not be written.
   void take(FrameResult&& result);
   /// The next frames show another volume of a series.
   void show(const std::string& volume, const ValueRange& range);
-  /// Measures the kept pictures that were not measured yet.
-  std::vector<Judged> judge();
+  /// Measures the kept pictures that were not measured yet. All ranks call it; the result is rank 0's.
+  std::vector<Judged> judge(Launch& launch);
   /// Takes the place of a kept picture that was drawn for the frame with the same number.
   void replace(FrameResult&& result);
   /// Waits for the last picture, completes --stats and prints the summary. Throws RunError when something
@@ -110,13 +111,13 @@ class FrameOutput {
   struct KeptFrame {
     FinishedFrame frame;
     std::optional<MeasuredError> error = std::nullopt;
+    std::string of_level = {};  ///< what level_error() said
   };
 
   /// Warns of the first frame of a kind and counts them.
   void warn(const std::string& label, const std::string& why, int& frames);
   void write(const FinishedFrame& frame, const MeasuredError* error);
   void add_to_film(const Image& image, const Overlay& overlay);
-  const MeasuredError& error_of(KeptFrame& kept);
 
   const Job& job_;
   const RenderOptions& options_;  ///< the job's
@@ -125,7 +126,6 @@ class FrameOutput {
   std::optional<serve::Movie> film_;  ///< -o FILM.mp4, once it has a picture
   Progress& progress_;
   std::vector<KeptFrame> kept_;
-  std::optional<truth::Scene> truth_;  ///< while errors are measured
   std::vector<double> seconds_;
   double period_sum_ = 0;
   std::unique_ptr<StatsOutput> stats_;

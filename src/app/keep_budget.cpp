@@ -98,8 +98,9 @@ bool hold_budget(Job& job, const Gallery& gallery, Progress& progress, Launch& l
   bool held = true;
   for (int attempt = 1;; ++attempt) {
     std::vector<FrameSpec> again;
+    const std::vector<Judged> judged = gallery.judge();
     launch.check_on_rank_0([&] {
-      for (const auto& [spec, name, error] : gallery.judge()) {
+      for (const auto& [spec, name, error] : judged) {
         if (error <= budget) continue;
         const Shortcuts used{spec.shown.opaque_threshold, spec.as<Sheets>(), spec.shown.reduction.factor};
         std::optional<Shortcuts> other;

@@ -128,9 +128,10 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
     throw;
   }
   progress.end();
-  const auto judge = [&] { return output.judge(); };
+  const auto judge = [&] { return output.judge(launch); };
   const auto replace = [&](FrameResult&& result) { output.replace(std::move(result)); };
   const bool held = !o.budget.max_error || hold_budget(job, {judge, replace}, progress, launch);
+  if (o.error.truth) judge();
   finish(output, launch);
   if (!o.trace.empty()) write_trace(trace, o.trace, job.layout, launch);
   if (o.path == "-") launch.check_on_rank_0([&] { stream->check_all_was_read(); });

@@ -137,7 +137,7 @@ bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, L
 
 /// The pictures of a run, on rank 0.
 struct Gallery {
-  std::function<std::vector<Judged>()> judge;       ///< those that were not judged before
+  std::function<std::vector<Judged>()> judge;       ///< on all ranks: those that were not judged before
   std::function<void(FrameResult&&)> replace = {};  ///< the picture of the frame with this number
 };
 

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "base/archive.hpp"
 #include "base/clock.hpp"
 #include "base/printable.hpp"
 #include "base/process.hpp"
@@ -87,14 +88,38 @@ std::size_t replace_unproved(Image& image, const truth::PixelSample& sample,
   return replaced;
 }
 
+/// truth(pixels), for which each of the crew evaluates some.
+template <class Truth>
+auto together(const Crew& crew, const std::vector<truth::Pixel>& pixels, const Truth& truth) {
+  if (!crew.exchange) return truth(pixels);
+  constexpr std::size_t piece = 16;  // dealt in turn, as neighbours take similarly long
+  const auto is_of = [&](std::size_t member, std::size_t k) { return k / piece % crew.members == member; };
+  const std::vector<Bytes> parts = crew.exchange([&] {
+    std::vector<truth::Pixel> own;
+    for (std::size_t k = 0; k < pixels.size(); ++k)
+      if (is_of(crew.member, k)) own.push_back(pixels[k]);
+    return to_bytes(truth(own));
+  });
+  decltype(truth(pixels)) all(pixels.size());
+  for (std::size_t member = 0; member < crew.members; ++member) {
+    auto part = from_bytes<decltype(all)>(parts.at(member)).value();
+    auto next = part.begin();
+    for (std::size_t k = 0; k < pixels.size(); ++k)
+      if (is_of(member, k)) all[k] = *next++;
+  }
+  return all;
+}
+
 /// How narrow proved bounds are made: a tenth of a level, half of one where light adds its own.
 double certified_width(const truth::Scene& scene) { return (scene.shaded() ? 0.5 : 0.1) / truth::levels; }
 
 /// By bounds in place of a truth. The estimate is that of their middles.
 MeasuredError measure_certified(Image& image, const truth::Scene& scene, const ErrorOptions& options,
-                                std::size_t pixels) {
+                                std::size_t pixels, const Crew& crew) {
   const auto sample = truth::draw_sample(image, truth::field_bounds(scene), pixels, options.seed);
-  const auto bounds = truth::certified_bounds(scene, sample.pixels, certified_width(scene));
+  const auto bounds = together(crew, sample.pixels, [&](std::span<const truth::Pixel> own) {
+    return truth::certified_bounds(scene, own, certified_width(scene));
+  });
   std::vector<truth::Rgba> near, middle, far;
   Certificate certificate;
   if (options.guaranteed) certificate.replaced = replace_unproved(image, sample, bounds, *options.guaranteed);
@@ -231,11 +256,13 @@ std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e
 }
 
 SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const Evaluation& evaluation,
-                          std::size_t pixels, std::uint64_t seed) {
+                          std::size_t pixels, std::uint64_t seed, const Crew& crew) {
   const auto bounds =
       evaluation.truth == TruthKind::method ? truth::method_bounds(scene) : truth::field_bounds(scene);
   SampledTruth made{truth::draw_sample(picture, bounds, pixels, seed), {}};
-  made.colours = evaluate(scene, evaluation, made.sample.pixels);
+  made.colours = together(crew, made.sample.pixels, [&](std::span<const truth::Pixel> own) {
+    return evaluate(scene, evaluation, own);
+  });
   return made;
 }
 
@@ -244,14 +271,15 @@ TruthKind calibrating_truth(const ErrorOptions& options) {
   return truth == TruthKind::certified ? TruthKind::field : truth;
 }
 
-MeasuredError measure(Image& image, const truth::Scene& scene, const ErrorOptions& options) {
+MeasuredError measure(Image& image, const truth::Scene& scene, const ErrorOptions& options,
+                      const Crew& crew) {
   const double start = now_seconds();
   const std::size_t pixels = options.all ? image.rgba.size() / 4 : options.pixels;
   MeasuredError measured{*options.truth, options.seed, {}, 0};
   if (options.truth == TruthKind::certified) {
-    measured = measure_certified(image, scene, options, pixels);
+    measured = measure_certified(image, scene, options, pixels, crew);
   } else {
-    const auto [sample, colours] = sample_truth(image, scene, {*options.truth}, pixels, options.seed);
+    const auto [sample, colours] = sample_truth(image, scene, {*options.truth}, pixels, options.seed, crew);
     measured.error = truth::sampled_error(image, sample, colours, &measured.by_pixel);
   }
   measured.seconds = now_seconds() - start;

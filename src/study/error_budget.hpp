@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -81,6 +82,14 @@ struct Evaluation {
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& evaluation,
                                   std::span<const truth::Pixel> pixels);
 
+/// Processes that evaluate a truth together: each takes its share of the pixels, and all get all.
+struct Crew {
+  std::size_t member = 0, members = 1;
+  /// Runs `work` and returns what it returned on each member; throws on all the InputError that one throws.
+  /// Null: this process is alone.
+  std::function<std::vector<Bytes>(const std::function<Bytes()>& work)> exchange = {};
+};
+
 /// A sample of a picture's pixels and the truth there; it serves other pictures of the scene, too.
 struct SampledTruth {
   truth::PixelSample sample;
@@ -88,7 +97,7 @@ struct SampledTruth {
 };
 /// Samples where `picture` differs most (truth::draw_sample) and evaluates the truth there.
 SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const Evaluation& evaluation,
-                          std::size_t pixels, std::uint64_t seed);
+                          std::size_t pixels, std::uint64_t seed, const Crew& crew = {});
 
 /// What bounds of the field's integral prove of the pixels looked at, in 1/255.
 struct Certificate {
@@ -115,8 +124,10 @@ struct MeasuredError {
 };
 /// Settings are compared by estimates, also where pictures are then certified.
 TruthKind calibrating_truth(const ErrorOptions& options);
-/// Changes the picture only where options ask for a guarantee.
-MeasuredError measure(Image& image, const truth::Scene& scene, const ErrorOptions& options);
+/// Changes the picture only where options ask for a guarantee. All of a crew make the call, with the same
+/// picture and scene, and get the same.
+MeasuredError measure(Image& image, const truth::Scene& scene, const ErrorOptions& options,
+                      const Crew& crew = {});
 
 /// "error against the method's truth: 0.0021/255 rms (95 %: 0.0019 to 0.0023), …".
 std::string to_text(const MeasuredError& error);

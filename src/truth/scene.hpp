@@ -17,6 +17,7 @@
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/source.hpp"
+#include "truth/parallel.hpp"
 
 /// The references that pictures are measured against. They compute the renderer's model but share none of its
 /// code: double precision throughout, each pixel by itself, no tables, no incremental positions, no regions,
@@ -48,8 +49,7 @@ struct Scene {
     return std::size_t(p.x) +
            std::size_t(grid.dims.x) * (std::size_t(p.y) + std::size_t(grid.dims.y) * std::size_t(p.z));
   }
-  /// Called now and then by the thread that waits for a truth of pixels; may throw to end its evaluation.
-  std::function<void()> poll = {};
+  Poll poll = {};  ///< called by the thread that waits for a truth of pixels
 };
 
 /// The scene of the part in its clip box alone: a volume of its own, seen by the same camera. Throws

@@ -81,7 +81,7 @@ class Method : Tracer {
           [&](std::size_t first, std::size_t end) {
             for (std::size_t p = first; p < end; ++p) composite(behind[p], sum_at(pixels[p], slice));
           },
-          scene_.poll);
+          scene_.poll ? Poll([&](double done) { scene_.poll((step + done) / slices); }) : Poll());
     }
     for (auto& p : behind) p.w = 1 - p.w;
     return behind;

@@ -72,7 +72,7 @@ app::VolumeOptions polled(const app::VolumeOptions& volume, const Hooks& hooks) 
 truth::Scene read_scene(const app::VolumeOptions& volume, const Hooks& hooks) {
   const auto source = open_volume(volume);
   truth::Scene scene = app::read_whole(*source).scene;
-  scene.poll = hooks.poll;
+  if (hooks.poll) scene.poll = [poll = hooks.poll](double) { poll(); };
   return scene;
 }
 

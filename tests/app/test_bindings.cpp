@@ -1,5 +1,4 @@
-#include "app/render_job.hpp"
-
+#include "app/measuring.hpp"
 #include "app/workshop.hpp"
 #include "support/catch.hpp"
 
@@ -65,4 +64,13 @@ TEST_CASE("a picture has the same bits with threads, in one process and on ranks
       CHECK(lines_with(ended.err, "warning").empty() == threads.empty());
       CHECK(same_pictures(w / "shared.exr", w / "alone.exr"));
     }
+}
+
+TEST_CASE("ranks measure that bring cores of their own, as far as the machine has room for volumes") {
+  using Chosen = std::vector<bool>;
+  CHECK(ranks_for_all_cores(unbound(3, "a", {0, 1}), 9) == Chosen{true, false, false});
+  const std::vector<Binding> bound{{"a", {0}}, {"a", {1}}, {"b", {0}}, {"a", {1}}, {"a", {2}}};
+  CHECK(ranks_for_all_cores(bound, 9) == Chosen{true, true, true, false, true});
+  CHECK(ranks_for_all_cores(bound, 2.5) == Chosen{true, true, true, false, false});
+  CHECK(ranks_for_all_cores(bound, 0.4) == Chosen{true, false, false, false, false});
 }

@@ -6,10 +6,14 @@
 
 #include "app/workshop.hpp"
 #include "images/image_io.hpp"
+#include "net/agree.hpp"
 #include "study/calibration.hpp"
 #include "study/error_budget.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
+#include "support/thread_collectives.hpp"
+#include "truth/certified.hpp"
+#include "volume/synth.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::app;
@@ -80,6 +84,40 @@ std::string without_progress(const std::string& err) {
 bool calibrated(const Ended& ended) { return !lines_with(ended.out, "calibrated").empty(); }
 
 }  // namespace
+
+TEST_CASE("a crew measures what each would alone, and all hear of what ends one", "[threads]") {
+  truth::Scene scene = read_whole(*synth_source("gaussians", test::make_grid({12, 12, 12}))).scene;
+  scene.frame.shown.width = scene.frame.shown.height = 24;
+  scene.frame.shown.transfer_function = test::ramp(0, 255, 0.3);
+  const auto measure_in = [&](TruthKind truth, const truth::Poll& poll, const Crew& crew) {
+    Image image(24, 24);
+    truth::Scene own = scene;
+    own.poll = poll;
+    const std::string said = to_text(measure(image, own, {.truth = truth, .pixels = 200}, crew));
+    return said.substr(0, said.find(" in "));
+  };
+  for (const TruthKind truth : {TruthKind::method, TruthKind::field, TruthKind::certified}) {
+    const std::string alone = measure_in(truth, {}, {});
+    for (const bool fails : {false, true}) {
+      const auto thrown = test::run_as_processes(3, [&](Collectives& all) {
+        const bool ends = fails && all.process() == 1;
+        const auto poll = [&](double) {
+          if (ends) throw InputError("enough");
+        };
+        const auto exchange = [&](const std::function<Bytes()>& work) {
+          Bytes mine;
+          agree_after(all, [&] { mine = work(); });
+          if (mine.size() > 80 * sizeof(truth::PixelBounds)) throw RunError("more than a share");
+          return all.all_gather(mine);
+        };
+        const auto together = measure_in(truth, poll, {std::size_t(all.process()), 3, exchange});
+        if (together != alone) throw RunError(together + " instead of " + alone);
+      });
+      for (const std::string& error : thrown)
+        CHECK_THAT(error, Catch::Matchers::Equals(fails ? "enough (on rank 1)" : ""));
+    }
+  }
+}
 
 TEST_CASE("the cheapest within the budget is chosen, by the upper end of its interval") {
   const std::vector table{measured(4, 4.0, 0.01), measured(3, 3.0, 0.5), measured(2, 2.0, 1.0),

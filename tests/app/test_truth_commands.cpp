@@ -107,6 +107,34 @@ TEST_CASE("a certificate holds what is measured, on any ranks", "[mpi]") {
   CHECK(rmse_of(w, "middle.exr", "field.exr") < 0.05);
 }
 
+TEST_CASE("ranks that are bound to cores measure together, and say and draw what one process does", "[mpi]") {
+  const Gaussians w("best");
+  // Nothing is left to be chosen by time.
+  const Words fixed{"--slabs",       "2",      "--opaque-threshold", "0",
+                    "--image-plane", "screen", "--undersample",      "1"};
+  const Words guarantee = joined(fixed, {"--error", "certified", "--max-error", "0.2", "--guarantee"});
+  for (const Words& options :
+       {Words{"--error", "method"}, Words{"--error", "field", "--orbit", "3"}, guarantee}) {
+    std::vector<json> errors;
+    std::vector<Image> pictures;
+    for (const int ranks : {0, 2}) {
+      setenv("OMPI_MCA_hwloc_base_binding_policy", "core", 1);
+      w.render("picture.exr", joined(options, {"--stats", w / "stats.json"}), ranks);
+      unsetenv("OMPI_MCA_hwloc_base_binding_policy");
+      json& all = errors.emplace_back();
+      for (const json& frame : json::parse(read_text(w / "stats.json"))) {
+        all.push_back(frame.at("error"));
+        all.back().erase("seconds");
+        pictures.push_back(read_image(frame.at("file").get<std::string>()).image);
+      }
+    }
+    INFO(options.back());
+    CHECK(errors[0] == errors[1]);
+    for (std::size_t k = 0; k < pictures.size() / 2; ++k)
+      CHECK(pictures[k] == pictures[k + pictures.size() / 2]);
+  }
+}
+
 TEST_CASE("extrema and integrals of the head are certified, on any ranks", "[mpi]") {
   const Gaussians w;
   const auto command = [&](const std::string& name, const std::string& mode) {

@@ -52,8 +52,9 @@ TEST_CASE("the calling thread polls between its pieces, and what that throws end
           ++begun;
           std::this_thread::sleep_for(std::chrono::microseconds(50));
         },
-        [&] {
+        [&](double done) {
           REQUIRE(std::this_thread::get_id() == caller);
+          CHECK((0 <= done && done < 1));
           if (++polls == 3) throw RunError("enough");
         });
   };
