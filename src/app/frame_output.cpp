@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "app/error_map.hpp"
 #include "app/measuring.hpp"
 #include "app/render_job.hpp"
 #include "app/views.hpp"
@@ -12,7 +13,6 @@
 #include "base/median.hpp"
 #include "base/output_file.hpp"
 #include "base/printable.hpp"
-#include "classify/colour_maps.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
 #include "net/message.hpp"
@@ -185,29 +185,6 @@ fs::path find_ffmpeg(const std::string& output) {
     throw InputError(fmt::format("-o {} needs ffmpeg, and no folder in PATH has it", output),
                      "install it (apt-get install ffmpeg), or write pictures: -o frame.png");
   return *ffmpeg;
-}
-
-/// Writes a picture of the errors that were measured of `picture`, with a bar that says what its colours
-/// mean; transparent where none is known. `settings`: the picture's, as JSON; what the bar spans is added.
-void write_error_map(const MeasuredError& error, const Image& picture, const std::filesystem::path& file,
-                     const std::string& settings) {
-  // A few pixels often err many times more than all others.
-  constexpr double of_rmse = 10, least = 1e-3;
-  const double top = round_length(std::clamp(of_rmse * error.error.rmse, least, truth::levels));
-  constexpr const char* colours = "inferno";
-  TransferFunction tf{colours, colour_map(colours).points, {{0, 1}, {top, 1}}};
-  for (auto& point : tf.colours) point.value *= top;
-  Image map(picture.width, picture.height);
-  for (std::size_t p = 0; p < error.by_pixel.size(); ++p) {
-    if (std::isnan(error.by_pixel[p])) continue;
-    const glm::dvec3 colour = tf.evaluate(std::min(double(error.by_pixel[p]), top)).colour;
-    for (int c = 0; c < 3; ++c) map.rgba[4 * p + std::size_t(c)] = float(colour[c]);
-    map.rgba[4 * p + 3] = 1;
-  }
-  auto all = json::parse(settings);
-  all["error_map"] = {{"colours", colours}, {"from", 0}, {"to", top}, {"unit", "1/255"}};
-  write_image(map, file, std::nullopt, plain_json_text(std::move(all)),
-              colour_bar(map.width, map.height, tf, {0, top}, "error in 1/255"));
 }
 
 }  // namespace

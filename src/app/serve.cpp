@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "app/commands.hpp"
+#include "app/error_map.hpp"
 #include "app/render_job.hpp"
 #include "base/child_program.hpp"
 #include "base/log.hpp"
@@ -123,6 +124,9 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
     v.volume.labels = labels_of(scene.values.labels, detail::label_notes(o.volume.path));
   v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));
   v.target_seconds = options.target_ms / 1e3;
+  v.errors = [&job](const FrameResult& picture, int volume, const std::function<void()>& go_on) {
+    return proved_errors(job, picture, volume, go_on);
+  };
   v.server = {options.address, options.port, options.allowed_hosts, options.allowed_origins,
               options.allowed_frames};
   return v;
@@ -338,9 +342,10 @@ void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewe
 }  // namespace
 
 ExitCode run(const ServeOptions& options, Launch& launch) {
+  Job job;  // which the viewer's threads read
   std::unique_ptr<serve::Viewer> viewer;
   Warnings warnings;
-  Job job = prepare(options, launch);
+  job = prepare(options, launch);
   const auto begun = coarse_first(options, job, launch);
   Progress progress(launch.rank() != 0, stderr);
   SeriesLoader loader(job, pictures_held, progress, launch);

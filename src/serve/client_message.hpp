@@ -82,13 +82,14 @@ struct MovieFrame {
   int index = 0;
   MoviePlan plan;
 };
-/// A snapshot or a frame of a movie.
+/// A snapshot, what errors a picture has, or a frame of a movie.
 struct FileMessage {
   std::uint32_t id = 0;  ///< of a movie's frame the whole movie's
   SceneState scene;
   bool exr = false;
   std::optional<MovieFrame> movie;
   Ruler ruler = {};  ///< drawn over it, but for an EXR
+  bool errors = false;
 };
 /// The movie of that number is no longer wanted.
 struct CancelMessage {

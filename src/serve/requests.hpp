@@ -59,11 +59,13 @@ class Requests {
     probes_.insert_or_assign(client, std::move(probing));
   }
   void add(ClientId client, const FileMessage& asked, std::vector<VolumeFrame> best) {
+    if (asked.errors && !options_.errors) throw InputError("errors are not known of what is shown");
     const std::lock_guard lock(mutex_);
     File file{{client}, asked, std::move(best), asked.movie ? movie_for(client, asked) : nullptr};
     const auto waiting = std::ranges::count_if(files_, [&](const File& f) { return f.client == client; });
     if (waiting >= most_waiting)
       throw InputError(fmt::format("{} pictures are waiting already", most_waiting), "try again later");
+    if (asked.errors) proving_[client] = asked.id;
     if (!ended_) files_.push_back(std::move(file));
   }
 
@@ -80,6 +82,7 @@ class Requests {
     if (probing_ && probing_->client == client) probing_->forgotten = true;
     std::erase_if(files_, [client](const File& file) { return file.client == client; });
     if (making_ && making_->client == client) making_->forgotten = true;
+    proving_.erase(client);
     if (movie_ && movie_->client == client) give_movie_up();
   }
 
@@ -163,10 +166,8 @@ class Requests {
     if (!making_ || making_->frame != result.spec.frame) return false;
     if (making_->forgotten || ended_) return making_.reset(), true;
     making_->frame = -1;
-    post(file_worker_,
-         [this, file = *making_, kept = std::make_shared<const FrameResult>(std::move(result))] {
-           make_file(*kept, file);
-         });
+    const auto kept = std::make_shared<const FrameResult>(std::move(result));
+    post(file_worker_, [this, file = *making_, kept] { make_file(kept, file); });
     return true;
   }
 
@@ -259,12 +260,14 @@ class Requests {
     post(movie_worker_, [kept = std::move(movie)] {});
   }
 
-  void make_file(const FrameResult& result, const File& file) {
+  void make_file(const std::shared_ptr<const FrameResult>& result, const File& file) {
     try {
       if (file.movie)
-        add_to_movie(result, file);
+        add_to_movie(*result, file);
+      else if (file.asked.errors)  // which takes long
+        post(movie_worker_, [this, file, result] { prove_errors(*result, file); });
       else
-        make_snapshot(result, file);
+        make_snapshot(*result, file);
     } catch (const std::exception& e) {
       fail(file, e.what());
     }
@@ -292,12 +295,32 @@ class Requests {
   }
 
   void make_snapshot(const FrameResult& result, const File& file) {
-    const Bytes bytes = bytes_of(result, file);
+    send_snapshot(result, file, bytes_of(result, file));
+  }
+
+  void send_snapshot(const FrameResult& result, const File& file, const Bytes& bytes) {
     PictureHead head =
         head_of(file, PictureKind::snapshot, file.asked.exr ? PictureFormat::exr : PictureFormat::png);
     head.seconds = static_cast<float>(result.stats.seconds);
     const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
     server_.send(file.client, true, std::make_shared<const std::string>(picture_message(head, text)));
+  }
+
+  void prove_errors(const FrameResult& result, const File& file) {
+    try {
+      const auto go_on = [&] {
+        const std::lock_guard lock(mutex_);
+        const auto wanted = proving_.find(file.client);
+        if (ended_ || wanted == proving_.end() || wanted->second != file.asked.id)
+          throw RunError("it is no longer wanted");
+      };
+      const auto [words, colours, map] = options_.errors(result, file.volume(), go_on);
+      server_.send_text(file.client,
+                        text_of({{"type", "errors"}, {"words", words}, {"colours", to_json(colours)}}));
+      send_snapshot(result, file, map);
+    } catch (const std::exception& e) {
+      fail(file, e.what());
+    }
   }
 
   void add_to_movie(const FrameResult& result, const File& file) {
@@ -355,8 +378,9 @@ class Requests {
   std::map<ClientId, Probing> probes_;  ///< each client's newest, not yet begun
   std::optional<Probing> probing_;
   std::deque<File> files_;
-  std::optional<File> making_;      ///< is rendered, or has been and is encoded
-  std::optional<MovieTurn> movie_;  ///< there is one at a time
+  std::map<ClientId, std::uint32_t> proving_;  ///< each client's newest question for errors
+  std::optional<File> making_;                 ///< is rendered, or has been and is encoded
+  std::optional<MovieTurn> movie_;             ///< there is one at a time
 
   boost::asio::thread_pool file_worker_{1}, movie_worker_{1};  ///< never call MPI
 };

@@ -70,6 +70,13 @@ struct HeldVolumes {
 /// The side of the largest picture whose floats leave room for the rest of this machine's memory.
 int largest_side();
 
+/// What a picture errs, as a picture and in words.
+struct ProvedErrors {
+  std::string words;
+  TransferFunction colours;  ///< what the map's mean, in 1/255
+  Bytes map;                 ///< a PNG of the picture's size
+};
+
 struct ViewerOptions {
   std::string layout;  ///< "4 GPs + 2 Renderers, ring"
   int ranks = 1;
@@ -87,6 +94,10 @@ struct ViewerOptions {
   /// Takes what the driver wants of the simulation, on the server's thread; throws InputError for the page.
   /// Empty: there is none.
   std::function<void(const SteerMessage&)> steer = {};
+  /// What a picture of a volume of the series errs, on a thread of its own; throws InputError for the page,
+  /// and what `go_on` throws, which it calls now and then. Empty: that is not known.
+  std::function<ProvedErrors(const FrameResult& picture, int volume, const std::function<void()>& go_on)>
+      errors = {};
 };
 
 /// How far a simulation is.

@@ -105,6 +105,7 @@ std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels,
                   {"ranks", o.ranks},
                   {"layout", o.layout},
                   {"ffmpeg", o.ffmpeg.has_value()},
+                  {"errors", bool(o.errors)},
                   {"largest", o.largest_side},
                   {"driver", drives},
                   {"viewers", viewers}});

@@ -87,6 +87,20 @@ class Controls(WithPage):
         self.page.keys(Keys.ARROW_UP, Keys.ARROW_UP)
         self.assertAlmostEqual(self.tf()["opacities"][0][1], 0.27)
 
+    def test_proved_errors_lie_over_the_picture_until_it_changes(self):
+        button = self.page.find("errors")
+        self.page.js("document.getElementById('errors').closest('details').open = true")
+        words = "document.getElementById('errors-words').textContent"
+        for ends in (lambda: self.page.fill("azimuth", 41), lambda: self.page.click("errors")):
+            self.page.click("errors")
+            self.page.wait("app.errors.shown", 60)
+            self.assertRegex(self.page.js(f"return {words}"), r"^No pixel of \d+ x \d+ errs more than [\d.]+/255, [\d.]+ % at most 1\. ")
+            self.assertEqual(button.get_attribute("aria-pressed"), "true")
+            ends()
+            self.page.wait(f"!app.errors.shown && {words} === ''")
+            self.assertEqual(button.get_attribute("aria-pressed"), "false")
+            self.page.settle()
+
     def test_slices_lie_beside_the_volume_and_meet_in_one_voxel(self):
         def at():
             return self.page.facts("slices.at")

@@ -9,6 +9,7 @@ from access_cases import allowed, fake_browser, opens, packed_page, page, strang
 from channel_cases import SHOWN, channels, make_channels
 from coarse_cases import coarse, coarse_ends, coarse_pyramid, coarse_stopped, gated, make_large, make_pyramid
 from compare_cases import compared, make_two, two_volumes
+from error_cases import errors
 from movie_cases import fake_ffmpeg, movie_failures, movies, no_ffmpeg
 from series_cases import make_series, series, series_failures, series_quickly
 from server_case import SAME_JPEG, check_rendered, expect, is_alive, start, told
@@ -372,7 +373,7 @@ CASES = {"page": (page,), "packed_page": (packed_page,), "strangers": (strangers
          "two_volumes": (two_volumes, "{scratch}/b/density.nrrd"),
          "coarse": (coarse, *COARSE), "coarse_ends": (coarse_ends, *COARSE), "coarse_stopped": (coarse_stopped, *COARSE),
          "coarse_pyramid": (coarse_pyramid, *AT_ONCE),
-         "channels": (channels, "--channel", SHOWN), "slices": (slices,),
+         "channels": (channels, "--channel", SHOWN), "slices": (slices,), "errors": (errors,),
          "no_ffmpeg": (no_ffmpeg, "TMPDIR={scratch}", "PATH={scratch}/empty")}
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
 
@@ -405,7 +406,7 @@ if __name__ == "__main__":
     running = start(given, *(word.format(scratch=given.scratch, faults=given.faults) for word in more))
     try:
         test(given, running)
-        may_be_gone = ("ends", "coarse_ends", "coarse_stopped", "killed_rank", "movie_failures", "opens")
+        may_be_gone = ("ends", "errors", "coarse_ends", "coarse_stopped", "killed_rank", "movie_failures", "opens")
         expect(running.process.poll() is None or given.case in may_be_gone, "the server is gone")
         if running.process.poll() is None:
             expect(running.stop() == 0, "the job failed: " + running.errors)

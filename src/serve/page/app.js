@@ -20,6 +20,7 @@ import { Scene, checkedState, readFragment } from './scene.js';
 import { Sender } from './sender.js';
 import { attachSettings, onSettings, settings } from './settings.js';
 import { SnapshotPanel } from './snapshot_panel.js';
+import { ErrorsPanel } from './errors_panel.js';
 import { Stage } from './stage.js';
 import { Slices } from './slices.js';
 import { showDriver, showEnd, showError, showFacts, showLink, showLoading, showVolume, showsCoarse } from './status.js';
@@ -57,6 +58,7 @@ class App {
     this.compare = new ComparePanel(this);
     this.runs = new RunPanel(this);
     this.snapshots = new SnapshotPanel(this);
+    this.errors = new ErrorsPanel(this);
     this.probing = new Probe(this);
     this.slices = new Slices(this);
     this.gestures = ['picture', 'second'].map((id) => new Gestures(this, byId(id)));
@@ -103,6 +105,7 @@ class App {
       frame: () => this.series.told(message),
       run: () => this.runs.told(message),
       loading: () => showLoading(message.part),
+      errors: () => { this.errors.told = message; },
       error: () => this.connection.fail(message.id, message.message) || showError(message.message, message.hint),
       warning: () => showError(message.message, message.hint, true),
       end: () => this.ended(message.message),
@@ -134,6 +137,7 @@ class App {
     this.channels.begin(hello.channels);
     this.film.begin(hello.ffmpeg, resumes);
     this.snapshots.begin(hello.largest);
+    this.errors.begin(hello.errors);
     this.setDriver(hello.driver, hello.viewers);
     this.slices.begin(resumes);
     this.refreshPanels();
@@ -207,6 +211,7 @@ class App {
   sceneChanged(keys) {
     if (this.driving) this.sender.request();
     this.probing.hide();
+    this.errors.hide();
     for (const key of keys) this.changed.add(key);
     this.redraw();
     this.addressLater();
@@ -335,6 +340,7 @@ class App {
   }
 
   resized() {
+    this.errors.hide();
     if (this.hello) this.fill();
     if (this.driving) this.sender.pulse();
     this.sender.request();
@@ -363,7 +369,7 @@ class App {
     this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross: second ? null : cross,
                                 ruler: this.probing.lengths(), slices: this.slices.boxes(),
                                 legend: [...this.channels.legend(), ...this.labels.legend],
-                                differs: this.compare.choice.gain > 0 });
+                                differs: this.compare.choice.gain > 0, errors: this.errors.shown });
     byId('cube').hidden = !settings.cube;
     if (settings.cube) this.viewPanel.turnCube(state.camera);
     this.clipPanel.place();

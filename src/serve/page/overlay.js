@@ -112,8 +112,12 @@ function drawRuler(context, colours, places, words) {
 }
 
 /** `seen`: pixelsPerUnit and project in CSS pixels of the stage; `slices`: as boxes; `ruler`: its places and words; `legend`: names and colours; `differs`: the picture is a difference, whose colours stand for no values. Returns the scale bar that was drawn. */
-export function drawOverlay({ state, volume, seen, cross, slices, ruler, legend, differs }) {
+export function drawOverlay({ state, volume, seen, cross, slices, ruler, legend, differs, errors }) {
   const { context, width, height } = fitCanvas(byId('overlay'));
+  if (errors) {
+    context.imageSmoothingEnabled = false;
+    context.drawImage(errors.bitmap, 0, 0, width, height);
+  }
   const colours = ink(state.background), project = (place) => seen.project(place).slice(0, 2);
   context.font = '12px system-ui, sans-serif';
   let bar = null;
@@ -127,9 +131,10 @@ export function drawOverlay({ state, volume, seen, cross, slices, ruler, legend,
   }
   let bottom = height - foot - 34;
   const { low, high } = volume.histogram;
-  if (settings.colours && !differs && !volume.labels.length && !state.channels.length)
+  if (errors) drawColourBar(context, colours, errors.colours, [0, errors.colours.colours.at(-1)[0]], height);
+  else if (settings.colours && !differs && !volume.labels.length && !state.channels.length)
     bottom = drawColourBar(context, colours, state.transfer_function, [low, high], height) - 10;
-  if (settings.colours && !differs) drawLegend(context, colours, legend, bottom);
+  if (settings.colours && !differs && !errors) drawLegend(context, colours, legend, bottom);
   if (ruler.places.length > 1) drawRuler(context, colours, ruler.places.map(project), ruler.words);
   if (cross) drawCross(context, colours, cross);
   return bar;
