@@ -100,11 +100,11 @@ def steered(options):
 
 def same_on_all_ranks(options):
     """The same step has the same picture on one rank and on four."""
-    servers = [start(options, ranks) for ranks in (1, 4)]
-    clients = [server.client() for server in servers]
-    for client in clients:
-        client.picture(seq=client.view())
-    steps = [held(client) for client in clients]
+    servers, clients, steps = [], [], []
+    for ranks in (1, 4):  # each is held before it is far ahead of the other
+        servers.append(start(options, ranks))
+        clients.append(servers[-1].client())
+        steps.append(held(clients[-1]))
     for client, step in zip(clients, steps):
         while step < max(steps):
             step = one_step(client, step)
