@@ -17,7 +17,6 @@ namespace {
 
 ringsplat::FrameSpec view(int frame) {
   ringsplat::FrameSpec spec;
-  spec.how = ringsplat::Sheets{};
   spec.shown.transfer_function = glow();
   spec.shown.camera.azimuth = 20 + 0.5 * frame;
   spec.shown.camera.elevation = 25;

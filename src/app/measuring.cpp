@@ -20,7 +20,8 @@ class Measuring {
       : error_(job.options.error), all_(launch.collectives()), rank_(std::size_t(launch.rank())) {
     launch.check_on_all_ranks([&] {
       const double scene = 8.0 * double(job.volume.grid.voxels());
-      if (ranks_for_all_cores(job.bindings, machine_memory_bytes() / 2 / scene).at(rank_))
+      const double most_of_machine = simulated() ? 0 : machine_memory_bytes() / 2 / scene;
+      if (ranks_for_all_cores(job.bindings, most_of_machine).at(rank_))
         scene_ = read_whole(*open_volume(job.options.volume)).scene;
     });
     for (const Block& measures : all_.all_gather(to_bytes(scene_.has_value())))

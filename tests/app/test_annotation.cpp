@@ -32,7 +32,7 @@ ValueRange range(double low, double high) {
 }
 
 FrameSpec frame(int width, int height) {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.width = width;
   spec.shown.height = height;
   spec.shown.camera.fit = Fit::box;

@@ -21,7 +21,7 @@ namespace {
 constexpr int width = 64, height = 48;
 
 FrameSpec frame_of_size() {
-  FrameSpec frame;
+  FrameSpec frame{.how = Splats{}};
   frame.shown.width = width;
   frame.shown.height = height;
   return frame;
@@ -166,7 +166,7 @@ TEST_CASE("a setting's error has an upper end above what its sample says, the wo
 TEST_CASE("a calibration's key holds all that its measurements depend on") {
   struct Asked {
     RenderOptions options;
-    FrameSpec reference;
+    FrameSpec reference{.how = Splats{}};
     Layout layout{2, 3};
     Histogram values{0, 1, 4};
     std::vector<Camera> views{{.azimuth = 10}, {.azimuth = 50}};

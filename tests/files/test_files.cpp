@@ -103,7 +103,7 @@ std::vector<std::byte> read_all(VolumeSource& source) {
 FrameSpec small_picture(const std::vector<std::byte>& voxels, ScalarType type) {
   ValueRange range;
   range.add(type, voxels);
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.width = spec.shown.height = 24;
   spec.shown.transfer_function = test::ramp(range.low, range.high, 0.5);
   return spec;

@@ -75,7 +75,7 @@ TEST_CASE("the eye may lie within the volume where the clip box leaves it room, 
 
 TEST_CASE("the axis to load is asked with the box that is drawn") {
   const Grid grid = volume();
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.clip = VoxelBox{{0, 0, 0}, {64, 49, 80}};
   CHECK(says(message_of([&] { traversed_axis(spec, grid); }), "y part, 0:49"));
 }

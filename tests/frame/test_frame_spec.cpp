@@ -16,7 +16,7 @@ namespace {
 
 /// No field has its default value.
 FrameSpec unusual_spec() {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.frame = 1LL << 40;
   spec.shown.camera = {.azimuth = 1.0 / 3,
                        .elevation = -21,
@@ -82,7 +82,7 @@ TEST_CASE("bytes that are no frame announcement are refused, whatever their leng
 }
 
 TEST_CASE("splats refuse perspective") {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.transfer_function = ramp(20, 255, 0.9);
   spec.shown.camera.fov = 40;
   CHECK(message_of([&] { check(spec); }).find("--engine sheets") != std::string::npos);

@@ -20,7 +20,7 @@ const glm::ivec3 dims{40, 36, 32};
 FrameSpec placed(double scale, glm::dvec2 centre, int side) {
   const glm::dvec3 right{0.8, 0.6, 0}, down{0.36, -0.48, -0.8}, away{-0.48, 0.64, -0.6};
   const glm::dvec3 middle = 0.5 * glm::dvec3(dims - 1);
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.width = spec.shown.height = side;
   spec.shown.transfer_function = ramp(0, 255, 0.4);
   spec.shown.camera.matrix.emplace();

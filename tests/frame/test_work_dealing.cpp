@@ -70,7 +70,7 @@ struct Ball {
     deal_by_work(to, work, costs, spec, int(busy.size()), busy);
   }
 
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   WorkCosts costs;
   VolumeSketch sketch;
   ShownPoints points;

@@ -18,12 +18,12 @@ namespace {
 struct Job {
   Layout layout;
   ProtocolOptions protocol;
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   bool count_only = false;
 };
 
 FrameSpec frame_of_ranks() {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.camera = {.azimuth = 33, .elevation = 21};
   spec.shown.width = 48;
   spec.shown.height = 40;

@@ -12,7 +12,7 @@ namespace ringsplat::fuzz {
 Grid small_grid() { return test::make_grid({12, 10, 9}); }
 
 FrameSpec small_frame(unsigned choice) {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
   spec.shown.width = 48;
   spec.shown.height = 40;

@@ -160,7 +160,7 @@ serve::MessageRules message_rules() {
 /// A view that is let through must be one that ranks draw: what they refuse ends the job.
 void use(const serve::SceneState& scene) {
   static const auto levels = serve::make_levels(small_volume().dims);
-  FrameSpec full;
+  FrameSpec full{.how = Splats{}};
   full.shown = scene.shown;
   for (const auto& level : levels) {
     const FrameSpec spec = serve::at_level(full, level);

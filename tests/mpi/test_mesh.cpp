@@ -15,7 +15,7 @@ using namespace ringsplat::test;
 namespace {
 
 FrameSpec view(int frame) {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.camera = {.azimuth = 33 + 90.0 * frame, .elevation = 21, .roll = 8, .zoom = 1.2};
   spec.shown.width = spec.shown.height = 64;
   spec.division.region_size = 16;

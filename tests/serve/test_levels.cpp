@@ -16,7 +16,7 @@ namespace {
 constexpr double target = 0.04;
 
 FrameSpec full_frame(int side) {
-  FrameSpec full;
+  FrameSpec full{.how = Splats{}};
   full.shown.width = full.shown.height = side;
   return full;
 }

@@ -10,7 +10,7 @@ using namespace ringsplat::test;
 TEST_CASE("a process that is given another grid, layout or view to load is named") {
   constexpr glm::ivec3 dims{8, 8, 12};
   const std::string bytes(std::size_t(dims.x * dims.y * dims.z), 'v');
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.width = spec.shown.height = 32;
   spec.shown.transfer_function = ringsplat::test::constant_opacity(0.5);
   const auto refusal_of = [&](const auto& change) {

@@ -15,7 +15,7 @@ TEST_CASE("a constant slab's opacity is 1 - (1 - a)^d, at any angle") {
   // 64 x 64 x 9 voxels of opacity 0.05; away from the border a ray crosses 9 slices, each 1/cos apart.
   const double alpha = 0.05;
   const auto source = synth_source("constant", make_grid({65, 65, 9}));
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.shading = Shading::none;
   spec.shown.transfer_function = constant_opacity(alpha);
   spec.shown.width = spec.shown.height = 384;
@@ -40,7 +40,7 @@ TEST_CASE("a constant slab's opacity is 1 - (1 - a)^d, at any angle") {
 
 TEST_CASE("one voxel gives exactly the quartic") {
   const auto source = synth_source("point", make_grid({9, 9, 9}, ScalarType::float32));
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.shading = Shading::none;
   spec.shown.transfer_function = constant_opacity(0.5, 0.5);
   spec.shown.width = spec.shown.height = 256;
@@ -69,7 +69,7 @@ TEST_CASE("the picture is right-handed") {
   std::vector<std::byte> voxels(grid.voxels());
   voxels[8 + 9 * (4 + 9 * std::size_t(6))] = std::byte{255};  // x = 8 (far right), y = 4, z = 6 (upper)
   const auto source = memory_source(grid, voxels);
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.shading = Shading::none;
   spec.shown.transfer_function = constant_opacity(0.9, 100);
   spec.shown.width = spec.shown.height = 90;
@@ -92,7 +92,7 @@ TEST_CASE("a volume of odd shape is drawn: single voxel, line, plane") {
   for (const glm::ivec3 dims :
        {glm::ivec3(1, 1, 1), glm::ivec3(1, 20, 20), glm::ivec3(20, 1, 1), glm::ivec3(20, 20, 1)}) {
     const auto source = synth_source("constant", make_grid(dims));
-    FrameSpec spec;
+    FrameSpec spec{.how = Splats{}};
     spec.shown.transfer_function = constant_opacity(0.5);
     spec.shown.width = spec.shown.height = 64;
     spec.shown.camera = {.azimuth = 40, .elevation = 20, .roll = 0, .zoom = 1};

@@ -31,6 +31,7 @@ std::vector<FrameSpec> turning_views(int count) {
   specs.resize(std::size_t(count));
   for (int k = 0; k < count; ++k) {
     FrameSpec& spec = specs[std::size_t(k)];
+    spec.how = Splats{};
     spec.shown.camera = {.azimuth = 52.0 * k, .elevation = 21};
     spec.shown.width = spec.shown.height = 48 + 8 * (k % 2);
     spec.division.region_size = 16;

@@ -34,7 +34,7 @@ Volume slices_of(ScalarType type, const Value& value) {
 }
 
 FrameSpec from_above() {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.width = spec.shown.height = spec.division.region_size = 40;
   spec.shown.transfer_function = ramp(100, 200, 0.5);
   spec.shown.camera.elevation = 75;

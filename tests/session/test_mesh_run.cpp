@@ -23,7 +23,7 @@ std::string shape(const Layout& mesh) {
 }
 
 FrameSpec small_view(int size) {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
   spec.shown.width = spec.shown.height = size;
   spec.division.region_size = 8;

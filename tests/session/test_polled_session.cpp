@@ -28,7 +28,7 @@ std::vector<std::uint8_t> values(int along_x, int along_y, int along_z) {
 }
 
 FrameSpec frame_of(Session& session) {
-  FrameSpec frame;
+  FrameSpec frame{.how = Splats{}};
   frame.shown.width = frame.shown.height = 32;
   frame.shown.transfer_function = session.transfer_function("auto");
   return frame;

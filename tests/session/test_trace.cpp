@@ -27,7 +27,7 @@ struct Traced {
 Traced trace_loopback(const Layout& layout, LoopbackOptions loopback, int look_ahead) {
   const auto source = synth_source("ball", make_grid({20, 22, 18}));
   SoloCollectives solo;
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.width = spec.shown.height = 64;
   spec.division.region_size = 16;
   spec.shown.transfer_function = ramp(20, 255, 0.3);

@@ -9,7 +9,7 @@ using namespace ringsplat::test;
 namespace {
 
 FrameSpec oblique_view() {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.1};
   spec.shown.width = spec.shown.height = 96;
   spec.division.region_size = 40;

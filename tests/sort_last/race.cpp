@@ -37,7 +37,7 @@ struct Options {
   int pixel_weight = 1;
   double blend_seconds_per_byte = 0, compress_seconds_per_pixel = 0;
   std::vector<double> spacing;
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
 };
 
 Options options_of(int argc, char** argv) {

@@ -113,7 +113,7 @@ double median(const std::vector<View>& all, const Figure& figure) {
 
 FrameSpec orbit_from(const std::string& form, const std::string& transfer_function,
                      const Histogram& histogram) {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.camera.elevation = 25;
   spec.shown.transfer_function = preset(transfer_function, histogram);
   if (form == "words") spec.as<Splats>().payload = PayloadForm::words;

@@ -16,7 +16,7 @@ namespace {
 const Grid grid = make_grid({6, 5, 4});
 
 FrameSpec small_frame() {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.width = spec.shown.height = 32;
   spec.division.region_size = 16;
   spec.shown.transfer_function = ramp(20, 255, 0.9);

@@ -82,7 +82,7 @@ class Sent {
  private:
   const FrameGeometry& geometry() const { return frame_->geometry; }
 
-  FrameSpec spec_;
+  FrameSpec spec_{.how = Splats{}};
   std::shared_ptr<const SplatFrame> frame_;
   ThreadTeam threads_;
   std::unique_ptr<FramePainter<SplatFrame>> painter_;

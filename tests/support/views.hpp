@@ -7,7 +7,7 @@ namespace ringsplat::test {
 
 /// A body seen from an angle that no axis is parallel to.
 inline FrameSpec oblique_view(int width, int height, int region_size) {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
   spec.shown.width = width;
   spec.shown.height = height;

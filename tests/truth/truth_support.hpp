@@ -193,7 +193,7 @@ inline bool all_finite(const Image& image) {
 
 /// A picture of `size` pixels a side without shading.
 inline FrameSpec plain_spec(const TransferFunction& tf, int size, const Camera& camera = {}) {
-  FrameSpec spec;
+  FrameSpec spec{.how = Splats{}};
   spec.shown.transfer_function = tf;
   spec.shown.width = spec.shown.height = size;
   spec.shown.camera = camera;

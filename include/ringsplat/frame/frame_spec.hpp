@@ -136,9 +136,9 @@ struct Division {
 /// A frame, as rank 0 announces it to all ranks.
 struct FrameSpec {
   std::int64_t frame = 0;
-  Shown shown;
-  Method how;
-  Division division;
+  Shown shown = {};
+  Method how = Sheets{};
+  Division division = {};
   bool operator==(const FrameSpec&) const = default;
 
   /// The options of method How; throws std::bad_variant_access when the frame uses another.
