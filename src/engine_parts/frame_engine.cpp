@@ -55,23 +55,32 @@ class PictureCanvas final : public Canvas {
   std::vector<bool> here_;
 };
 
-}  // namespace
-
-FramePlan plan_of(const FrameGeometry& g, SliceDealing dealing, const std::vector<int>& owners) {
+/// What the protocol knows of a frame: slices are dealt in turn, and a tile is a region of the image plane.
+FramePlan plan_of(const FrameGeometry& g, SliceDealing dealing, const std::vector<int>& tile_owners) {
   FramePlan plan;
   plan.ascending = g.traversal.ascending;
   // Owners are those of the whole volume's slices.
   const int first = g.box.first[static_cast<int>(g.traversal.axis)];
-  plan.first_slice = first + g.traversal.slice_at(0, g.slices);
+  plan.first_slice = first + g.slice_at(0);
   for (int step = 0; step < g.slices; ++step)
-    plan.owners.push_back(dealing.owner_of(first + g.traversal.slice_at(step, g.slices)));
+    plan.owners.push_back(dealing.owner_of(first + g.slice_at(step)));
   const Regions& regions = g.picture_regions();
   for (int region = 0; region < regions.count(); ++region) {
     const PixelRect rect = regions.rect(region);
-    plan.tiles.push_back({owners[std::size_t(region)],
+    plan.tiles.push_back({tile_owners[std::size_t(region)],
                           std::size_t(rect.width()) * std::size_t(rect.height()) * 4 * sizeof(float)});
   }
   return plan;
+}
+
+}  // namespace
+
+SharedFrame::SharedFrame(const FrameSpec& spec, FrameGeometry its_geometry, SliceDealing dealing,
+                         int renderers, RegionDealer* dealer)
+    : number(spec.frame), shown(spec.shown), geometry(std::move(its_geometry)) {
+  if (dealer != nullptr) dealer->deal(spec, geometry);
+  drawers = geometry.owners(renderers);
+  plan = plan_of(geometry, dealing, geometry.layers.slices > 0 ? geometry.tile_owners(renderers) : drawers);
 }
 
 void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {

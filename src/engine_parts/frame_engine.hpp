@@ -28,9 +28,6 @@ namespace ringsplat {
 std::unique_ptr<Canvas> make_picture_canvas(std::int64_t number, const Shown& shown,
                                             std::shared_ptr<const FrameGeometry> geometry, TakePicture take);
 
-/// What the protocol knows of a frame: slices are dealt in turn, and a tile is a region of the image plane.
-FramePlan plan_of(const FrameGeometry& geometry, SliceDealing dealing, const std::vector<int>& tile_owners);
-
 /// A rank's frames' regions, dealt by the work that the volume's sketch lets foresee
 /// (frame/work_estimate.hpp).
 class RegionDealer {
@@ -44,6 +41,20 @@ class RegionDealer {
  private:
   EngineSetup setup_;
   ShownPoints shown_;
+};
+
+/// A frame as the nodes of a rank share it: what was announced, and what follows from it.
+struct SharedFrame {
+  SharedFrame() = default;
+  /// `geometry` must be made of `spec`; without a `dealer` regions are dealt in turn.
+  SharedFrame(const FrameSpec& spec, FrameGeometry geometry, SliceDealing dealing, int renderers,
+              RegionDealer* dealer);
+
+  std::int64_t number = 0;
+  Shown shown;
+  FrameGeometry geometry;
+  std::vector<int> drawers;  ///< by region of the geometry: the Renderer that draws it, or nobody
+  FramePlan plan;
 };
 
 /// A GP's encoder of one frame of slices in a store, which must outlive it. Throws RunError when the slices
@@ -67,8 +78,7 @@ class FrameEncoder : public Encoder {
  protected:
   const FrameGeometry& geometry() const { return frame_->geometry; }
   Axis axis() const { return geometry().traversal.axis; }
-  int slice_at(int step) const { return geometry().traversal.slice_at(step, geometry().slices); }
-  SliceView slice(int step) const { return store_.slice(axis(), slice_at(step), geometry().box); }
+  SliceView slice(int step) const { return store_.slice(axis(), geometry().slice_at(step), geometry().box); }
   int drawer_of(int region) const { return frame_->drawers[std::size_t(region)]; }
 
   std::shared_ptr<const Frame> frame_;
@@ -148,16 +158,12 @@ class FramePainter : public Painter {
   ItemCounts counts_;
 };
 
-/// One rank's engine of one method. `Parts`, made of the EngineSetup and what else it needs, has
-///   Frame   the announced frame as the rank's nodes share it: number, shown, geometry, drawers, plan,
-///   Kept    what a GP keeps from frame to frame, one for each level of its store,
-/// and frame(spec), encoder(frame, kept) and painter(renderer).
-template <class Parts>
-class FrameEngine final : public Engine {
+/// One rank's engine of one method, whose frames are SharedFrames and more. `Kept`: what a GP keeps from
+/// frame to frame, one for each level of its store.
+template <class Frame, class Kept>
+class FrameEngine : public Engine {
  public:
-  template <class... More>
-  explicit FrameEngine(const EngineSetup& setup, const More&... more)
-      : parts_(setup, more...), take_(setup.take) {}
+  explicit FrameEngine(const EngineSetup& setup) : setup_(setup), dealer_(setup) {}
 
   FramePlan plan(const Announcement& a) override { return frame(a)->plan; }
 
@@ -165,25 +171,30 @@ class FrameEngine final : public Engine {
     auto its = frame(a);
     auto& kept = kept_[its->shown.reduction.factor];
     if (!kept) kept = std::make_unique<Kept>();
-    return parts_.encoder(std::move(its), *kept);
+    return make_encoder(std::move(its), *kept);
   }
 
   std::shared_ptr<Painter> painter(int renderer, const Announcement& a) override {
     auto& painter = painters_[renderer];
-    if (!painter) painter = parts_.painter(renderer);
+    if (!painter) painter = make_painter(renderer);
     painter->begin_frame(frame(a));
     return painter;
   }
 
   std::unique_ptr<Canvas> canvas(const Announcement& a) override {
     const auto its = frame(a);
-    return make_picture_canvas(its->number, its->shown, {its, &its->geometry}, take_);
+    return make_picture_canvas(its->number, its->shown, {its, &its->geometry}, setup_.take);
   }
 
- private:
-  using Frame = typename Parts::Frame;
-  using Kept = typename Parts::Kept;
+ protected:
+  virtual std::shared_ptr<const Frame> make_frame(const FrameSpec& spec) = 0;
+  virtual std::unique_ptr<Encoder> make_encoder(std::shared_ptr<const Frame> frame, Kept& kept) = 0;
+  virtual std::unique_ptr<FramePainter<Frame>> make_painter(int renderer) = 0;
 
+  const EngineSetup setup_;
+  RegionDealer dealer_;
+
+ private:
   /// The announced frame, which is made when it is new. Throws RunError when the bytes are no description of
   /// it, or when it cannot be: another rank announced it, so no input of this one is to blame.
   std::shared_ptr<const Frame> frame(const Announcement& a) {
@@ -197,14 +208,12 @@ class FrameEngine final : public Engine {
         throw RunError(
             fmt::format("rank 0 told of frame {} in a message about frame {}", spec.frame, a.frame));
       check(spec);
-      return frames_.emplace_back(parts_.frame(spec));
+      return frames_.emplace_back(make_frame(spec));
     } catch (const InputError& e) {
       throw RunError(std::string("rank 0 told of a frame that cannot be: ") + e.what());
     }
   }
 
-  Parts parts_;
-  TakePicture take_;
   std::deque<std::shared_ptr<const Frame>> frames_;               ///< in flight; the rank's nodes share them
   std::map<int, std::unique_ptr<Kept>> kept_;                     ///< by level
   std::map<int, std::shared_ptr<FramePainter<Frame>>> painters_;  ///< by Renderer

@@ -51,6 +51,8 @@ struct FrameGeometry {
   std::optional<PlaneWarp> warp;  ///< from the screen to the image plane, when they differ
 
   const Regions& picture_regions() const { return layers.slices > 0 ? layers.picture : regions; }
+  /// The slice of a step of the traversal.
+  int slice_at(int step) const { return traversal.slice_at(step, slices); }
   int layer_of(int slice) const { return layers.slices > 0 ? slice / layers.slices : 0; }
   /// Where pixels of the image plane are in a layer's; outside of all regions where none are.
   PixelWindow in_layer(const PixelWindow& pixels, int layer) const {

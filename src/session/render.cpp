@@ -222,7 +222,7 @@ std::unique_ptr<Engine> make_engines(std::vector<EngineSetup> volumes, std::vect
 }
 
 std::unique_ptr<Engine> make_rank_engine(std::vector<EngineSetup> volumes) {
-  return make_engines(std::move(volumes), {make_splat_engine, make_sheet_engine});
+  return make_engines(std::move(volumes), {maker_of<SplatEngine>(), maker_of<SheetEngine>()});
 }
 
 }  // namespace ringsplat

@@ -159,6 +159,11 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
 
 /// Makes the engine of one method.
 using MakeEngine = std::function<std::unique_ptr<Engine>(const EngineSetup& setup)>;
+/// Makes engines of a class, whose constructor takes `more` besides.
+template <class EngineOfMethod, class... More>
+MakeEngine maker_of(More... more) {
+  return [=](const EngineSetup& setup) { return std::make_unique<EngineOfMethod>(setup, more...); };
+}
 
 /// The engines of one rank, each made on first use, whose steps are the setups' bundles. `volumes`: by their
 /// numbers (VolumeFrame). `methods`: in the order of Method's alternatives.

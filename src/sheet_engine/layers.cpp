@@ -68,7 +68,8 @@ std::vector<FramePlan::Share> shares_of_layers(const SheetFrame& frame, int rend
     share.takers.push_back(taker);
     const int first = region / tiles * g.layers.slices,
               last = std::min(first + g.layers.slices, g.slices) - 1;
-    const std::pair<int, int> steps = std::minmax(frame.slice_at(first), frame.slice_at(last));
+    const std::pair<int, int> steps =
+        std::minmax(frame.geometry.slice_at(first), frame.geometry.slice_at(last));
     const int begin = std::max(steps.first - frame.reach() + 1, 0),
               end = std::min(steps.second + frame.reach() + 1, g.slices);
     const bool is_first = share.end == 0;

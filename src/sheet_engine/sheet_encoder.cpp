@@ -54,14 +54,14 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
       may_show = shown_slices(store_, geometry().box, axis(), frame_->reach(), frame_->transparent);
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
-      if (may_show[std::size_t(slice_at(step))]) steps.push_back(step);
+      if (may_show[std::size_t(geometry().slice_at(step))]) steps.push_back(step);
     return steps;
   }
 
   void begin(int step) override {
     slice_ = slice(step);
     if (labels_of_level_ != nullptr)
-      labels_ = labels_of_level_->slice(axis(), slice_at(step), geometry().box);
+      labels_ = labels_of_level_->slice(axis(), geometry().slice_at(step), geometry().box);
     columns_ = CellRanges::blocks_along(slice_.width);
     find_layers(step);
     states_ = blocks_.of(store_, geometry().box, axis(), slice_.index, frame_->reach(), frame_->transparent);
@@ -132,7 +132,7 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
   /// The layers that are drawn with a step's slice: of slabs at it, and for gradients beside it.
   void find_layers(int step) {
     const auto layer_of = [this](int at) {
-      return geometry().layer_of(slice_at(std::clamp(at, 0, geometry().slices - 1)));
+      return geometry().layer_of(geometry().slice_at(std::clamp(at, 0, geometry().slices - 1)));
     };
     std::tie(first_layer_, last_layer_) =
         std::minmax(layer_of(step - frame_->reach()), layer_of(step + frame_->reach() - 1));

@@ -4,13 +4,11 @@
 #include "base/thread_team.hpp"
 #include "engine_parts/frame_engine.hpp"
 #include "frame/engine_setup.hpp"
+#include "sheet_engine/kept_blocks.hpp"
 #include "sheet_engine/sheet_frame.hpp"
-#include "volume/slice_store.hpp"
+#include "sheet_engine/slice_blocks.hpp"
 
 namespace ringsplat {
-
-class KeptBlocks;
-class SliceBlocks;
 
 /// Slices that a Renderer keeps at most before it has painted them.
 inline constexpr int most_slices_kept = 36;
@@ -27,6 +25,29 @@ std::unique_ptr<Encoder> make_sheet_encoder(std::shared_ptr<const SheetFrame> fr
 std::unique_ptr<FramePainter<SheetFrame>> make_sheet_painter(int renderer, ThreadTeam& threads);
 
 /// The engine of sheets for one rank.
-std::unique_ptr<Engine> make_sheet_engine(const EngineSetup& setup);
+class SheetEngine : public FrameEngine<SheetFrame, SliceBlocks> {
+ public:
+  explicit SheetEngine(const EngineSetup& setup)
+      : FrameEngine(setup),
+        threads_(setup.threads),
+        kept_(setup.slices->gp(), setup.gps, setup.renderers, setup.kept_bytes) {}
+
+ protected:
+  std::shared_ptr<const SheetFrame> make_frame(const FrameSpec& spec) override {
+    return make_sheet_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, &dealer_);
+  }
+  std::unique_ptr<Encoder> make_encoder(std::shared_ptr<const SheetFrame> frame,
+                                        SliceBlocks& blocks) override {
+    return make_sheet_encoder(std::move(frame), setup_.renderers, *setup_.slices, blocks, setup_.skip_empty,
+                              &kept_);
+  }
+  std::unique_ptr<FramePainter<SheetFrame>> make_painter(int renderer) override {
+    return make_sheet_painter(renderer, threads_);
+  }
+
+ private:
+  ThreadTeam threads_;
+  KeptBlocks kept_;
+};
 
 }  // namespace ringsplat

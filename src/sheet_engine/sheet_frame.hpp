@@ -1,24 +1,16 @@
 #pragma once
 #include <algorithm>
-#include <cstdint>
 #include <memory>
-#include <vector>
 
-#include "frame/frame_geometry.hpp"
-#include "protocol/engine.hpp"
+#include "engine_parts/frame_engine.hpp"
 #include "sheet_engine/transparent_values.hpp"
-#include "volume/slice_dealing.hpp"
 
 namespace ringsplat {
 
-/// A frame as the nodes of a rank share it: what was announced, and what follows from it.
-struct SheetFrame {
-  std::int64_t number = 0;
-  Shown shown;
+struct SheetFrame : SharedFrame {
+  using SharedFrame::SharedFrame;
+
   Sheets sheets;
-  FrameGeometry geometry;
-  std::vector<int> drawers;  ///< by region of the geometry: the Renderer that draws it, or nobody
-  FramePlan plan;
   TransparentValues transparent;
 
   bool shaded() const { return shown.shading == Shading::phong; }
@@ -52,10 +44,7 @@ struct SheetFrame {
   /// Slices to either side that are drawn with a slice's voxels: those that the slabs at it lie between, and
   /// for gradients one more.
   int reach() const { return lit() ? 2 : 1; }
-  int slice_at(int step) const { return geometry.traversal.slice_at(step, geometry.slices); }
 };
-
-class RegionDealer;
 
 /// `spec` must be of this method; without a `dealer` regions are dealt in turn. Throws InputError when its
 /// view cannot be drawn.

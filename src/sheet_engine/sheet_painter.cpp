@@ -239,7 +239,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void add_slab(int step, const BlockWindows& windows) {
     tiles_.add_slab();
     bool any = false;
-    const int slice = frame_->slice_at(step_), layer = geometry().layer_of(slice);
+    const int slice = geometry().slice_at(step_), layer = geometry().layer_of(slice);
     payload_->for_each_block([&](int column, int row, std::uint8_t byte) {
       if ((byte & cells_visible) != 0)
         any |= tiles_.mark(geometry().in_layer(windows.of(column, row, slice), layer));

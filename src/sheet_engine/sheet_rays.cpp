@@ -231,7 +231,7 @@ SheetSlab make_slab(const SheetFrame& frame, const SheetRays& rays, int step) {
   slab.face = step < 0 || step == slices - 1;
   slab.pieces = slab.face ? frame.slabs_in_half() : frame.slabs();
   const double way = frame.geometry.traversal.ascending ? 1 : -1;
-  const double front = step < 0 ? frame.slice_at(0) - 0.5 * way : frame.slice_at(step);
+  const double front = step < 0 ? frame.geometry.slice_at(0) - 0.5 * way : frame.geometry.slice_at(step);
   const double length = slab.face ? 0.5 : 1;
   const auto fixed = [](double voxels) {
     return static_cast<std::int32_t>(std::floor(voxels * one_voxel + 0.5));

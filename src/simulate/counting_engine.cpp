@@ -1,12 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <type_traits>
 #include <utility>
 
 #include "base/byte_stream.hpp"
-#include "classify/empty_space.hpp"
-#include "engine_parts/frame_engine.hpp"
 #include "frame/frame_geometry.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "net/message.hpp"
@@ -14,9 +11,7 @@
 #include "protocol/engine_decorator.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"
-#include "sheet_engine/kept_blocks.hpp"
 #include "sheet_engine/sheet_engine.hpp"
-#include "sheet_engine/slice_blocks.hpp"
 #include "simulate/counted_payload.hpp"
 #include "simulate/meter.hpp"
 #include "splat_engine/splat_engine.hpp"
@@ -188,64 +183,49 @@ class MeasuringEncoder final : public EncoderDecorator {
   int step_ = 0;
 };
 
-/// Of one method: how its frames and a GP's encoders are made.
-template <class FrameType, class KeptType>
-class MeasuredParts {
- public:
-  using Frame = FrameType;
-  using Kept = KeptType;
-  explicit MeasuredParts(const EngineSetup& setup, double voxel_weight)
-      : setup_(setup),
-        dealer_(setup),
-        threads_(setup.threads),
-        voxel_weight_(voxel_weight),
-        kept_(setup.slices->gp(), setup.gps, setup.renderers, setup.kept_bytes) {}
+// Engines whose encoders make measured payloads (simulate/meter.hpp), which nobody can draw. Each voxel
+// stands for `voxel_weight` of its slice: sheets have as many blocks as those would make; splats are as many
+// as voxels, with kernels as large as those would have.
 
-  std::shared_ptr<const Frame> frame(const FrameSpec& spec) {
-    if constexpr (std::is_same_v<Frame, SplatFrame>)
-      return make_weighed_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, voxel_weight_,
-                                &dealer_);
-    else
-      return make_sheet_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, &dealer_);
-  }
-  std::unique_ptr<Encoder> encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) {
-    return make_measuring_encoder(
-        make_splat_encoder(frame, setup_.renderers, *setup_.slices, space, threads_, false),
-        make_splat_meter(frame, voxel_weight_));
-  }
-  std::unique_ptr<Encoder> encoder(std::shared_ptr<const SheetFrame> frame, SliceBlocks& blocks) {
-    if (voxel_weight_ > 1)
-      return make_weighed_encoder(std::move(frame), setup_.renderers, *setup_.slices, voxel_weight_);
-    return make_measuring_encoder(
-        make_sheet_encoder(frame, setup_.renderers, *setup_.slices, blocks, false, &kept_),
-        make_sheet_meter(frame));
-  }
-  /// Nobody draws measured payloads.
-  std::unique_ptr<FramePainter<Frame>> painter(int) { return nullptr; }
+class MeasuredSplats final : public SplatEngine {
+ public:
+  MeasuredSplats(const EngineSetup& setup, double voxel_weight)
+      : SplatEngine(setup), voxel_weight_(voxel_weight) {}
 
  private:
-  EngineSetup setup_;
-  RegionDealer dealer_;
-  ThreadTeam threads_;
+  std::shared_ptr<const SplatFrame> make_frame(const FrameSpec& spec) override {
+    return make_weighed_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, voxel_weight_, &dealer_);
+  }
+  std::unique_ptr<Encoder> make_encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) override {
+    return make_measuring_encoder(SplatEngine::make_encoder(frame, space),
+                                  make_splat_meter(frame, voxel_weight_));
+  }
+
   double voxel_weight_;
-  KeptBlocks kept_;  ///< where voxels stand for themselves
 };
 
-template <class Frame, class Kept>
-MakeEngine measured_engine(double voxel_weight) {
-  return [voxel_weight](const EngineSetup& setup) -> std::unique_ptr<Engine> {
-    return std::make_unique<FrameEngine<MeasuredParts<Frame, Kept>>>(setup, voxel_weight);
-  };
-}
+class MeasuredSheets final : public SheetEngine {
+ public:
+  MeasuredSheets(const EngineSetup& setup, double voxel_weight)
+      : SheetEngine(setup), voxel_weight_(voxel_weight) {}
+
+ private:
+  std::unique_ptr<Encoder> make_encoder(std::shared_ptr<const SheetFrame> frame,
+                                        SliceBlocks& blocks) override {
+    if (voxel_weight_ > 1)
+      return make_weighed_encoder(std::move(frame), setup_.renderers, *setup_.slices, voxel_weight_);
+    return make_measuring_encoder(SheetEngine::make_encoder(frame, blocks), make_sheet_meter(frame));
+  }
+
+  double voxel_weight_;
+};
 
 }  // namespace
 
-std::unique_ptr<Engine> make_counting_engine(const EngineSetup& setup, double voxel_weight) {
-  // Their encoders make measured payloads (simulate/meter.hpp), which nobody can draw. Each voxel stands for
-  // `voxel_weight` of its slice: sheets have as many blocks as those would make; splats are as many as
-  // voxels, with kernels as large as those would have.
-  auto engine = make_engines({setup}, {measured_engine<SplatFrame, EmptySpace>(voxel_weight),
-                                       measured_engine<SheetFrame, SliceBlocks>(voxel_weight)});
+std::unique_ptr<Engine> make_counting_engine(EngineSetup setup, double voxel_weight) {
+  setup.skip_empty = false;
+  auto engine =
+      make_engines({setup}, {maker_of<MeasuredSplats>(voxel_weight), maker_of<MeasuredSheets>(voxel_weight)});
   return std::make_unique<CountingEngine>(std::move(engine), voxel_weight);
 }
 

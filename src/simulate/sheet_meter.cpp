@@ -41,7 +41,7 @@ class SampleCounter {
   }
   /// Adds a block with visible cells.
   void add(int column, int row) {
-    const int slice = frame_.slice_at(step_);
+    const int slice = frame_.geometry.slice_at(step_);
     const auto mark = [&](VisibleTiles& tiles, const BlockWindows& windows) {
       tiles.mark(frame_.geometry.in_layer(windows.of(column, row, slice), frame_.geometry.layer_of(slice)));
     };

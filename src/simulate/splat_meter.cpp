@@ -73,7 +73,7 @@ class SplatMeter {
 
   std::vector<PaintWork> operator()(int step, const std::vector<EncodedPart>& parts) {
     std::vector<PaintWork> work(parts.size());
-    slice_ = geometry().traversal.slice_at(step, geometry().slices);
+    slice_ = geometry().slice_at(step);
     for (std::size_t r = 0; r < parts.size(); ++r) {
       if (parts[r].payload.empty()) continue;
       const auto body = std::span<const std::byte>(parts[r].payload).subspan(sizeof(Header));

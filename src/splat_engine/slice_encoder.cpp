@@ -47,7 +47,7 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
     const int first = geometry().box.first[static_cast<int>(axis())];
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
-      if (may_show[std::size_t(first + slice_at(step))]) steps.push_back(step);
+      if (may_show[std::size_t(first + geometry().slice_at(step))]) steps.push_back(step);
     return steps;
   }
 

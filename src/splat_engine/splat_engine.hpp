@@ -2,14 +2,13 @@
 #include <memory>
 
 #include "base/thread_team.hpp"
+#include "classify/empty_space.hpp"
 #include "engine_parts/frame_engine.hpp"
 #include "frame/engine_setup.hpp"
 #include "splat_engine/splat_frame.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {
-
-class EmptySpace;
 
 /// A GP's encoder for one frame. `store`, `empty_space` and `threads` must outlive it; `empty_space` is kept
 /// from frame to frame, one for each level of the store. EngineSetup explains `skip_empty`. Payloads have the
@@ -23,6 +22,26 @@ std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> fr
 std::unique_ptr<FramePainter<SplatFrame>> make_splat_painter(int renderer, ThreadTeam& threads);
 
 /// The paper's engine for one rank.
-std::unique_ptr<Engine> make_splat_engine(const EngineSetup& setup);
+class SplatEngine : public FrameEngine<SplatFrame, EmptySpace> {
+ public:
+  explicit SplatEngine(const EngineSetup& setup)
+      : FrameEngine(setup), encoder_threads_(setup.threads), painter_threads_(setup.threads) {}
+
+ protected:
+  std::shared_ptr<const SplatFrame> make_frame(const FrameSpec& spec) override {
+    return make_splat_frame(spec, make_geometry(spec, setup_.grid), setup_.dealing(), setup_.renderers,
+                            &dealer_);
+  }
+  std::unique_ptr<Encoder> make_encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) override {
+    return make_splat_encoder(std::move(frame), setup_.renderers, *setup_.slices, space, encoder_threads_,
+                              setup_.skip_empty);
+  }
+  std::unique_ptr<FramePainter<SplatFrame>> make_painter(int renderer) override {
+    return make_splat_painter(renderer, painter_threads_);
+  }
+
+ private:
+  ThreadTeam encoder_threads_, painter_threads_;
+};
 
 }  // namespace ringsplat

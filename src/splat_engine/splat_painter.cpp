@@ -32,7 +32,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
     read_payload(step, [&] {
       parts_ = lanes_.front().reader->parts(body, [this](int region) { return images_.owns(region); });
     });
-    slice_ = geometry().traversal.slice_at(step, geometry().slices);
+    slice_ = geometry().slice_at(step);
     next_part_ = 0;
     // Waking a thread costs as much as some hundred splats.
     constexpr std::size_t bytes_worth_a_thread = 4096;

@@ -129,7 +129,7 @@ class SheetSection final : public SectionPainter {
 
   void draw_step(int step, bool own, const SheetFrame& frame, const SheetFrame& part, Encoder& encoder,
                  const Meter& meter, Drawn& drawn) {
-    const int slice = frame.slice_at(step), local = slice - box_.first[static_cast<int>(axis_)],
+    const int slice = frame.geometry.slice_at(step), local = slice - box_.first[static_cast<int>(axis_)],
               local_step = part.geometry.traversal.slice_at(local, part.geometry.slices);
     encoder.begin(local_step);
     while (!encoder.work()) continue;
