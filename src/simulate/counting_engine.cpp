@@ -249,10 +249,11 @@ std::shared_ptr<const SplatFrame> make_weighed_frame(const FrameSpec& spec, cons
                                                      SliceDealing dealing, int renderers, double voxel_weight,
                                                      RegionDealer* dealer) {
   FrameGeometry geometry = make_geometry(spec, grid);
-  if (!(voxel_weight > 1)) return make_splat_frame(spec, std::move(geometry), dealing, renderers, dealer);
+  if (!(voxel_weight > 1))
+    return std::make_shared<SplatFrame>(spec, std::move(geometry), dealing, renderers, dealer);
   geometry.reach = narrowed(geometry.reach, voxel_weight);
   lay_regions(geometry, spec);
-  auto frame = make_splat_frame(spec, std::move(geometry), dealing, renderers, dealer);
+  auto frame = std::make_shared<SplatFrame>(spec, std::move(geometry), dealing, renderers, dealer);
   frame->footprint.half = narrowed(frame->footprint.half, voxel_weight);
   return frame;
 }

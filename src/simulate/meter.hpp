@@ -15,7 +15,7 @@
 #include "sheet_engine/sheet_frame.hpp"
 #include "simulate/machine.hpp"
 #include "splat/footprint.hpp"
-#include "splat_engine/splat_frame.hpp"
+#include "splat_engine/splat_engine.hpp"
 #include "volume/cell_ranges.hpp"
 #include "volume/slice_store.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "raster/region_image.hpp"
 #include "splat/splat.hpp"
-#include "splat_engine/splat_frame.hpp"
+#include "splat_engine/splat_engine.hpp"
 
 namespace ringsplat {
 

@@ -17,7 +17,7 @@
 #include "raster/opaque_tiles.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "splat/splat.hpp"
-#include "splat_engine/splat_frame.hpp"
+#include "splat_engine/splat_engine.hpp"
 #include "view/slice_dda.hpp"
 
 namespace ringsplat {

@@ -1,14 +1,27 @@
 #pragma once
 #include <memory>
+#include <utility>
 
 #include "base/thread_team.hpp"
 #include "classify/empty_space.hpp"
 #include "engine_parts/frame_engine.hpp"
 #include "frame/engine_setup.hpp"
-#include "splat_engine/splat_frame.hpp"
+#include "splat/footprint.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {
+
+/// A frame of this method, of which `geometry` must be made; without a `dealer` regions are dealt in turn.
+struct SplatFrame : SharedFrame {
+  SplatFrame(const FrameSpec& spec, FrameGeometry its_geometry, SliceDealing dealing, int renderers,
+             RegionDealer* dealer = nullptr)
+      : SharedFrame(spec, std::move(its_geometry), dealing, renderers, dealer),
+        splats(spec.as<Splats>()),
+        footprint(make_footprint(geometry.view, geometry.traversal.axis, splats.kernel_radius)) {}
+
+  Splats splats;
+  Footprint footprint;
+};
 
 /// A GP's encoder for one frame. `store`, `empty_space` and `threads` must outlive it; `empty_space` is kept
 /// from frame to frame, one for each level of the store. EngineSetup explains `skip_empty`. Payloads have the
@@ -29,8 +42,8 @@ class SplatEngine : public FrameEngine<SplatFrame, EmptySpace> {
 
  protected:
   std::shared_ptr<const SplatFrame> make_frame(const FrameSpec& spec) override {
-    return make_splat_frame(spec, make_geometry(spec, setup_.grid), setup_.dealing(), setup_.renderers,
-                            &dealer_);
+    return std::make_shared<SplatFrame>(spec, make_geometry(spec, setup_.grid), setup_.dealing(),
+                                        setup_.renderers, &dealer_);
   }
   std::unique_ptr<Encoder> make_encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) override {
     return make_splat_encoder(std::move(frame), setup_.renderers, *setup_.slices, space, encoder_threads_,

@@ -63,7 +63,7 @@ SliceStore slices_with_level(const Grid& grid, const Reduction& reduction) {
 }  // namespace
 
 SmallRun::SmallRun(const FrameSpec& spec, const Grid& grid)
-    : frame_(make_splat_frame(spec, make_geometry(spec, grid), 1, small_renderers)),
+    : frame_(std::make_shared<SplatFrame>(spec, make_geometry(spec, grid), 1, small_renderers)),
       slices_(slices_with_level(grid, spec.shown.reduction)),
       encoder_(make_splat_encoder(frame_, small_renderers, slices_, empty_space_, alone_)),
       painter_(make_splat_painter(0, alone_)) {

@@ -24,7 +24,7 @@ std::vector<EncodedStep> encode_all(VolumeSource& source, const FrameSpec& spec,
   const Grid grid = source.grid();
   OpenedVolume volume{grid, true, synth_source("ball", grid)};
   auto stores = deal_slices(volume, {}, {1, {0}, solo});
-  const auto frame = make_splat_frame(spec, make_geometry(spec, grid), 1, renderers);
+  const auto frame = std::make_shared<SplatFrame>(spec, make_geometry(spec, grid), 1, renderers);
   ThreadTeam team(threads);
   EmptySpace empty_space;
   const auto encoder = make_splat_encoder(frame, renderers, stores.at(0), empty_space, team);

@@ -102,7 +102,7 @@ class SplatSection final : public SectionPainter {
   std::shared_ptr<const SplatFrame> frame_of(const FrameSpec& spec) const {
     FrameSpec part = spec;
     part.shown.clip = box_of(whole_, section());
-    auto frame = std::make_shared<SplatFrame>(*make_splat_frame(part, make_geometry(part, whole_), 1, 1));
+    auto frame = std::make_shared<SplatFrame>(part, make_geometry(part, whole_), 1, 1);
     if (frame->geometry.traversal.axis != Axis::z)
       throw InputError("the view does not traverse the z slices, of which the sections are",
                        "look from above: --elevation 60 to 90");

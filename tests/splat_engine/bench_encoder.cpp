@@ -40,7 +40,7 @@ View make_view_of(const FrameSpec& orbit, const Grid& grid, int view) {
   View v;
   FrameSpec spec = orbit;
   spec.shown.camera.azimuth = 360.0 * view / views;
-  v.frame = make_splat_frame(spec, make_geometry(spec, grid), 1, 1);
+  v.frame = std::make_shared<SplatFrame>(spec, make_geometry(spec, grid), 1, 1);
   return v;
 }
 

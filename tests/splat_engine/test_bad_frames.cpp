@@ -29,7 +29,7 @@ const SliceStore empty_store(grid, 0, 1, {true, true, true}, false);
 }  // namespace
 
 TEST_CASE("a Renderer refuses the payload of a step that its traversal does not have") {
-  const auto frame = make_splat_frame(small_frame(), make_geometry(small_frame(), grid), 1, 1);
+  const auto frame = std::make_shared<SplatFrame>(small_frame(), make_geometry(small_frame(), grid), 1, 1);
   ThreadTeam alone;
   const auto painter = make_splat_painter(0, alone);
   painter->begin_frame(frame);
@@ -46,8 +46,8 @@ TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
   const SliceStore only_x(grid, 0, 1, {true, false, false}, true);
   const auto encode = [&](const FrameSpec& spec, const SliceStore& store) {
     return message_of<RunError>([&] {
-      make_splat_encoder(make_splat_frame(spec, make_geometry(spec, grid), 1, 1), 1, store, empty_space,
-                         alone);
+      make_splat_encoder(std::make_shared<SplatFrame>(spec, make_geometry(spec, grid), 1, 1), 1, store,
+                         empty_space, alone);
     });
   };
   CHECK_THAT(encode(small_frame(), empty_store), Catch::Matchers::Contains("normals"));

@@ -39,7 +39,7 @@ class Sent {
     spec_.division.dealt_to = 2;
     spec_.as<Splats>().payload = form;
     spec_.shown.transfer_function = constant_opacity(0.4);
-    frame_ = make_splat_frame(spec_, make_geometry(spec_, grid), 1, 2);
+    frame_ = std::make_shared<SplatFrame>(spec_, make_geometry(spec_, grid), 1, 2);
     REQUIRE(geometry().traversal.axis == Axis::z);
     const auto source = synth_source("constant", grid);
     const auto stores = dealt(*source, 1);
@@ -221,7 +221,7 @@ TEST_CASE("every frame tells anew which tiles are opaque, and a GP each of them 
   FrameSpec spec = oblique_view(96, 96, 48);
   spec.shown.transfer_function = constant_opacity(1.0);
   spec.division.dealt_to = 1;
-  const auto frame = make_splat_frame(spec, make_geometry(spec, grid), 1, 1);
+  const auto frame = std::make_shared<SplatFrame>(spec, make_geometry(spec, grid), 1, 1);
   ThreadTeam threads(1);
   EmptySpace empty_space;
   const auto encoder = make_splat_encoder(frame, 1, stores.at(0), empty_space, threads);

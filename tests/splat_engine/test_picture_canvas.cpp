@@ -10,7 +10,7 @@ using namespace ringsplat::test;
 TEST_CASE("pixels for which no tile comes are empty, whatever their memory held") {
   FrameSpec spec = oblique_view(48, 48, 16);
   spec.division.dealt_to = 2;
-  const auto frame = make_splat_frame(spec, make_geometry(spec, make_grid({9, 9, 9})), 1, 2);
+  const auto frame = std::make_shared<SplatFrame>(spec, make_geometry(spec, make_grid({9, 9, 9})), 1, 2);
   std::vector<int> tiles;
   for (int tile = 0; tile < int(frame->plan.tiles.size()); ++tile)
     if (frame->plan.tiles[std::size_t(tile)].renderer != FramePlan::nobody) tiles.push_back(tile);
