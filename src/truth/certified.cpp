@@ -15,7 +15,7 @@ class Certifier : EnclosedTracer {
   Certifier(const Scene& scene, double width, int most_pieces)
       : EnclosedTracer(scene), width_(width), most_pieces_(most_pieces) {}
 
-  PixelBounds along(Pixel pixel) const {
+  PixelBounds operator()(Pixel pixel) const {
     return seen_by(pixel, [&](const LatticeRay& ray, const Way& way) { return composited(ray, way); });
   }
 
@@ -178,8 +178,7 @@ std::vector<PixelBounds> certified_bounds(const Scene& scene, std::span<const Pi
   if (shown.values) throw InputError("--values have no certified bounds", "leave out --values");
   if (shown.clip) return certified_bounds(cropped(scene), pixels, width, most_pieces);
   if (shown.mode != Mode::composite) return projected_bounds(scene, pixels);
-  const Certifier certifier(scene, width, most_pieces);
-  return along_rays(scene, pixels, [&](Pixel pixel) { return certifier.along(pixel); });
+  return along_rays(scene, pixels, Certifier(scene, width, most_pieces));
 }
 
 }  // namespace ringsplat::truth

@@ -44,7 +44,7 @@ class Projector : EnclosedTracer {
  public:
   explicit Projector(const Scene& scene) : EnclosedTracer(scene), shown_(scene.frame.shown) {}
 
-  PixelBounds along(Pixel pixel) const {
+  PixelBounds operator()(Pixel pixel) const {
     return seen_by(pixel, [&](const LatticeRay& ray, const Way& way) {
       if (shown_.mode == Mode::surface) return first_surface(ray, way);
       return coloured(shown_.mode == Mode::attenuated ? dimmed(ray, way) : projected(ray, way), ray, way);
@@ -285,8 +285,7 @@ Interval greatest_of(const Polynomial& p) {
 }
 
 std::vector<PixelBounds> projected_bounds(const Scene& scene, std::span<const Pixel> pixels) {
-  const Projector projector(scene);
-  return along_rays(scene, pixels, [&](Pixel pixel) { return projector.along(pixel); });
+  return along_rays(scene, pixels, Projector(scene));
 }
 
 }  // namespace ringsplat::truth

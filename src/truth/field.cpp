@@ -20,7 +20,7 @@ class FieldIntegrator : Tracer {
   FieldIntegrator(const Scene& scene, double tolerance)
       : Tracer(scene), tolerance_(tolerance), gradients_(scene) {}
 
-  Rgba along(Pixel pixel) const {
+  Rgba operator()(Pixel pixel) const {
     const LatticeRay ray = rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return Rgba(0.0);
     if (scene_.frame.shown.mode == Mode::surface) return first_surface(ray);
@@ -205,8 +205,7 @@ class FieldIntegrator : Tracer {
 
 std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels, double tolerance) {
   if (scene.frame.shown.clip) return field_truth(cropped(scene), pixels, tolerance);
-  const FieldIntegrator integrator(scene, tolerance);
-  return along_rays(scene, pixels, [&](Pixel pixel) { return integrator.along(pixel); });
+  return along_rays(scene, pixels, FieldIntegrator(scene, tolerance));
 }
 
 ScreenBounds field_bounds(const Scene& scene) { return Rays(scene).bounds(); }

@@ -55,7 +55,7 @@ class SheetTracer : Tracer {
         places_(sheet_places(scene.grid.dims[axis_], slabs_, scene.nearest())),
         gradients_(scene) {}
 
-  Rgba along(Pixel pixel) const {
+  Rgba operator()(Pixel pixel) const {
     const LatticeRay ray = rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return Rgba(0.0);
     const int slabs = int(places_.size()) - 1;
@@ -248,8 +248,7 @@ class SheetTracer : Tracer {
 
 std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> pixels) {
   if (scene.frame.shown.clip) return sheet_method_truth(cropped(scene), pixels);
-  const SheetTracer tracer(scene);
-  return along_rays(scene, pixels, [&](Pixel pixel) { return tracer.along(pixel); });
+  return along_rays(scene, pixels, SheetTracer(scene));
 }
 
 }  // namespace ringsplat::truth
