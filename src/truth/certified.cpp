@@ -158,7 +158,7 @@ class Certifier : EnclosedTracer {
     e.of_curve = lines_.over(e.value);
     if (tints_.any()) std::fill_n(e.of_curve.begin(), EnclosedCurve::opacity, Interval(0, 1));
     if (scene_.shaded()) {
-      e.light = EnclosedLight::any(scene_.frame.shown.material);
+      e.light = EnclosedLight::any(shown_.material);
       e.light.scale = hull(e.light.scale, Interval(1));  // none, where the field is level
     }
     EnclosedPiece piece = between(e, Part(passage.length, 0, 1));

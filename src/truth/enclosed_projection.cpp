@@ -42,7 +42,7 @@ std::array<Interval, 4> bernstein_of(const Polynomial& p, double from, double to
 
 class Projector : EnclosedTracer {
  public:
-  explicit Projector(const Scene& scene) : EnclosedTracer(scene), shown_(scene.frame.shown) {}
+  explicit Projector(const Scene& scene) : EnclosedTracer(scene) {}
 
   PixelBounds operator()(Pixel pixel) const {
     return seen_by(pixel, [&](const LatticeRay& ray, const Way& way) {
@@ -264,8 +264,6 @@ class Projector : EnclosedTracer {
       piece.colour[c] = clamped(colour[c] * light.scale + light.highlight, 0, 1);
     search.seen = search.seen ? either(*search.seen, piece) : piece;
   }
-
-  const Shown& shown_;
 };
 
 }  // namespace

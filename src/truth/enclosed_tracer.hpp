@@ -142,9 +142,9 @@ class EnclosedTracer : protected Tracer {
       normal[std::size_t(k)] = along_passage(corners, passage);
       normal[std::size_t(k)][0] += within(3 * passage.beside * steepest_);
     }
-    if (const auto& edges = scene_.frame.shown.edges) medium.edge.emplace(*edges, gradients_.unit(), normal);
+    if (const auto& edges = shown_.edges) medium.edge.emplace(*edges, gradients_.unit(), normal);
     if (scene_.shaded() && !(level && passage.beside == 0))
-      medium.light.emplace(scene_.frame.shown.material, phong_.to_light(), ray.to_viewer, normal);
+      medium.light.emplace(shown_.material, phong_.to_light(), ray.to_viewer, normal);
     return medium;
   }
 

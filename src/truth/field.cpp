@@ -23,11 +23,11 @@ class FieldIntegrator : Tracer {
   Rgba operator()(Pixel pixel) const {
     const LatticeRay ray = rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return Rgba(0.0);
-    if (scene_.frame.shown.mode == Mode::surface) return first_surface(ray);
-    if (scene_.frame.shown.mode != Mode::composite) {
-      const bool attenuated = scene_.frame.shown.mode == Mode::attenuated;
+    if (shown_.mode == Mode::surface) return first_surface(ray);
+    if (shown_.mode != Mode::composite) {
+      const bool attenuated = shown_.mode == Mode::attenuated;
       const double value = attenuated ? dimmed(ray) : projected(ray);
-      if (scene_.frame.shown.values) return Rgba(glm::dvec3(value), 1);
+      if (shown_.values) return Rgba(glm::dvec3(value), 1);
       const auto sample = curve_.at(value);
       const double opacity = attenuated ? 1 : sample.opacity;
       glm::dvec3 colour = sample.colour;
@@ -63,11 +63,11 @@ class FieldIntegrator : Tracer {
 
   /// A ray's extremum, mean or integral.
   double projected(const LatticeRay& ray) const {
-    const TransferFunction& tf = scene_.frame.shown.transfer_function;
+    const TransferFunction& tf = shown_.transfer_function;
     const auto further = [&](double a, double b) {
-      return scene_.frame.shown.mode == Mode::mip ? std::max(a, b) : std::min(a, b);
+      return shown_.mode == Mode::mip ? std::max(a, b) : std::min(a, b);
     };
-    double extremum = scene_.frame.shown.mode == Mode::mip
+    double extremum = shown_.mode == Mode::mip
                           ? std::min(tf.colours.front().value, tf.opacities.front().value)
                           : std::max(tf.colours.back().value, tf.opacities.back().value),
            integral = 0;
@@ -78,13 +78,13 @@ class FieldIntegrator : Tracer {
       integral += (crossing.leave - crossing.enter) * (cubic->at(0) + 4 * cubic->at(0.5) + cubic->at(1)) / 6;
     }
     const auto& spacing = scene_.grid.spacing;
-    if (scene_.frame.shown.mode == Mode::sum) return integral * std::min({spacing.x, spacing.y, spacing.z});
-    return scene_.frame.shown.mode == Mode::mean ? integral / (ray.leave - ray.enter) : extremum;
+    if (shown_.mode == Mode::sum) return integral * std::min({spacing.x, spacing.y, spacing.z});
+    return shown_.mode == Mode::mean ? integral / (ray.leave - ray.enter) : extremum;
   }
 
   /// The most of what is left of values in the colours' window behind others.
   double dimmed(const LatticeRay& ray) const {
-    const TransferFunction& tf = scene_.frame.shown.transfer_function;
+    const TransferFunction& tf = shown_.transfer_function;
     const double low = tf.colours.front().value, high = tf.colours.back().value;
     if (!(low < high)) return low;
     double densest = 0, depth = 0, most = 0;
@@ -133,13 +133,12 @@ class FieldIntegrator : Tracer {
       if (!cubic) continue;
       const std::vector<double> monotone = monotone_pieces(*cubic);
       for (std::size_t i = 0; i + 1 < monotone.size(); ++i) {
-        const double a = monotone[i], b = monotone[i + 1], value = scene_.frame.shown.isovalue;
+        const double a = monotone[i], b = monotone[i + 1], value = shown_.isovalue;
         if ((cubic->at(a) >= value) == (cubic->at(b) >= value)) continue;
         const double s = std::lerp(crossing.enter, crossing.leave, crossing_of(*cubic, value, a, b));
         const ViewTransform& view = rays_.view();
         // How far it is behind the plane through the volume's middle.
-        if (scene_.frame.shown.values)
-          return Rgba(glm::dvec3(view.project(ray.at(s)).z / view.pixels_per_unit), 1);
+        if (shown_.values) return Rgba(glm::dvec3(view.project(ray.at(s)).z / view.pixels_per_unit), 1);
         glm::dvec3 colour = curve_.at(value).colour;
         if (scene_.shaded())
           colour = phong_.shade(

@@ -26,12 +26,7 @@ LatticeBox voxel_faces(const Scene& scene) {
 
 double CutPlane::at(const glm::dvec3& place) const { return glm::dot(normal, place) + offset; }
 
-Rays::Rays(const Scene& scene, const LatticeBox& box)
-    : view_(view_of(scene)),
-      width_(scene.frame.shown.width),
-      height_(scene.frame.shown.height),
-      box_(box),
-      grid_(scene.grid) {
+Rays::Rays(const Scene& scene, const LatticeBox& box) : scene_(&scene), view_(view_of(scene)), box_(box) {
   to_lattice_ = glm::inverse(view_.linear);
   const LatticeFrame whole = scene.cut_from ? scene.cut_from->whole : lattice_of(scene.grid);
   const glm::dvec3 first(scene.cut_from ? scene.cut_from->first : glm::ivec3(0));
@@ -48,9 +43,9 @@ Rays::Rays(const Scene& scene, const LatticeBox& box)
 }
 
 void Rays::point(LatticeRay& ray, const glm::dvec3& steps) const {
-  const glm::dvec3& spacing = grid_.spacing;
+  const glm::dvec3& spacing = scene_->grid.spacing;
   const double smallest = std::min({spacing.x, spacing.y, spacing.z});
-  const glm::dvec3 world = grid_.direction * (spacing / smallest * steps);
+  const glm::dvec3 world = scene_->grid.direction * (spacing / smallest * steps);
   ray.step = steps / glm::length(world);
   ray.to_viewer = -glm::normalize(world);
 }
@@ -96,11 +91,11 @@ bool Rays::hit(Pixel pixel) const {
 
 ScreenBounds Rays::bounds() const {
   ScreenBounds bounds;
-  bounds.rows.resize(std::size_t(height_));
+  bounds.rows.resize(std::size_t(scene_->frame.shown.height));
   // A box's picture is convex, so each row has one piece of it.
   parallel_for(bounds.rows.size(), 16, [&](std::size_t from, std::size_t to) {
     for (std::size_t y = from; y < to; ++y) {
-      ScreenBounds::Row row{0, width_};
+      ScreenBounds::Row row{0, scene_->frame.shown.width};
       while (row.first < row.end && !hit({row.first, int(y)})) ++row.first;
       while (row.first < row.end && !hit({row.end - 1, int(y)})) --row.end;
       bounds.rows[y] = row;

@@ -46,7 +46,8 @@ struct LatticeRay {
   glm::dvec3 at(double s) const { return origin + s * step; }
 };
 
-/// The rays of one view through a box: that of the voxels' faces, or another one.
+/// The rays of a scene's view through a box: that of the voxels' faces, or another one. The scene must
+/// outlive them.
 class Rays {
  public:
   explicit Rays(const Scene& scene) : Rays(scene, voxel_faces(scene)) {}
@@ -65,14 +66,13 @@ class Rays {
   }
 
  private:
-  ViewTransform view_;
-  int width_, height_;
-  LatticeBox box_;
-  std::vector<CutPlane> planes_;
   /// Sets the direction of a ray along `steps`, lattice steps of any length.
   void point(LatticeRay& ray, const glm::dvec3& steps) const;
 
-  Grid grid_;
+  const Scene* scene_;
+  ViewTransform view_;
+  LatticeBox box_;
+  std::vector<CutPlane> planes_;
   glm::dmat3 to_lattice_{1.0};
   LatticeRay parallel_;  ///< the direction of an orthographic view's rays
 };
@@ -90,15 +90,17 @@ std::vector<Cut> cuts_along(const Scene& scene, const LatticeRay& ray);
 struct Tracer {
   explicit Tracer(const Scene& scene)
       : scene_(scene),
+        shown_(scene.frame.shown),
         rays_(scene),
-        curve_(scene.frame.shown.transfer_function),
+        curve_(shown_.transfer_function),
         phong_(scene, rays_.view()),
         tints_(scene) {}
   /// From slice to slice of an axis along the ray, as it counts: in unit lengths, or one without correction.
   double slice_length(const LatticeRay& ray, int axis) const {
-    return scene_.frame.shown.opacity_correction ? 1 / std::abs(ray.step[axis]) : 1.0;
+    return shown_.opacity_correction ? 1 / std::abs(ray.step[axis]) : 1.0;
   }
   const Scene& scene_;
+  const Shown& shown_;
   Rays rays_;
   TransferCurve curve_;
   Phong phong_;

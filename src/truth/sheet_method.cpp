@@ -231,8 +231,7 @@ class SheetTracer : Tracer {
       mean.highlight += one.highlight / double(lit_at.size());
       share += gradients_.left_at_edge(1, normal) / double(lit_at.size());
     }
-    if (scene_.frame.shown.edges)
-      opacity = opacity == 1 ? double(share > 0) : -std::expm1(share * std::log1p(-opacity));
+    if (shown_.edges) opacity = opacity == 1 ? double(share > 0) : -std::expm1(share * std::log1p(-opacity));
     const glm::dvec3 colour = mean.on(slab.colour);
     for (int c = 0; c < 3; ++c) seen[c] += seen.w * opacity * colour[c];
     seen.w *= 1 - opacity;
