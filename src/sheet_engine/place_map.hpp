@@ -1,8 +1,7 @@
 #pragma once
 #include "sheet_engine/paint_group.hpp"
 #include "sheet_engine/sheet_frame.hpp"
-#include "sheet_engine/table_axis.hpp"
-#include "sheet_engine/value_table.hpp"
+#include "sheet_engine/slab_table.hpp"
 
 namespace ringsplat {
 

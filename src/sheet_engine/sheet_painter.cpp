@@ -17,7 +17,6 @@
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/sheet_rays.hpp"
 #include "sheet_engine/slab_table.hpp"
-#include "sheet_engine/value_table.hpp"
 #include "sheet_engine/visible_tiles.hpp"
 
 namespace ringsplat {
