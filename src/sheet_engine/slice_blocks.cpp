@@ -63,16 +63,6 @@ void need_around(const std::vector<std::uint8_t>& visible, int columns, int rows
 
 }  // namespace
 
-void SliceBlocks::use(const VoxelBox& box, const TransparentValues& transparent) {
-  if (known_ && box == box_ && transparent == transparent_) return;
-  box_ = box;
-  transparent_ = transparent;
-  for (auto& by_axis : blocks_)
-    for (auto& by_slice : by_axis) by_slice.clear();
-  for (auto& by_slice : visible_) by_slice.clear();
-  known_ = true;
-}
-
 /// Before the first slice and after the last one the field has the values of that slice.
 const std::vector<std::uint8_t>& SliceBlocks::visible(const SliceStore& store, Axis axis, int s) {
   const int slices = box_.dims()[static_cast<int>(axis)], columns = columns_of(box_, axis),
@@ -118,7 +108,12 @@ std::vector<BlockState> SliceBlocks::find(const SliceStore& store, Axis axis, in
 
 std::span<const BlockState> SliceBlocks::of(const SliceStore& store, const VoxelBox& box, Axis axis,
                                             int slice, int reach, const TransparentValues& transparent) {
-  use(box, transparent);
+  if (box != box_ || transparent != transparent_) {
+    box_ = box;
+    transparent_ = transparent;
+    blocks_ = {};
+    visible_ = {};
+  }
   auto& slices = blocks_[std::size_t(reach)][std::size_t(axis)];
   slices.resize(std::size_t(box.dims()[static_cast<int>(axis)]));
   auto& blocks = slices[std::size_t(slice)];

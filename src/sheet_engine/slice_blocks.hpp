@@ -31,13 +31,11 @@ class SliceBlocks {
                                  int reach, const TransparentValues& transparent);
 
  private:
-  void use(const VoxelBox& box, const TransparentValues& transparent);
   const std::vector<std::uint8_t>& visible(const SliceStore& store, Axis axis, int slice);
   std::vector<BlockState> find(const SliceStore& store, Axis axis, int slice, int reach);
 
   VoxelBox box_;
   TransparentValues transparent_;
-  bool known_ = false;
   std::array<std::array<std::vector<std::vector<BlockState>>, 3>, 3> blocks_;  ///< by reach, axis and slice
   /// By axis and slice + 1: whether each block of the cells between the slice and the next can be visible.
   std::array<std::vector<std::vector<std::uint8_t>>, 3> visible_;
