@@ -35,7 +35,12 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
         skip_empty_(skip_empty),
         windows_(geometry(), frame_->reach(), frame_->reach(), frame_->reach()),
         parts_(std::size_t(renderers)) {
-    check_ranges_known();
+    if (!store_.knows_cell_ranges(axis()))
+      throw RunError(
+          fmt::format(
+              "frame {} is drawn by sheets, but the ranges of the cells between slices were not loaded",
+              frame_->number),
+          "load the volume for all the frames that are to be drawn, of both engines");
     if (frame_->tinted() && whole_store_.labels() != nullptr)
       labels_of_level_ = &whole_store_.labels()->level(frame_->shown.reduction.factor);
     const Regions& regions = geometry().regions;
@@ -44,7 +49,11 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
       opaque_.emplace_back(rect.width(), rect.height());
     }
     tile_marked_.resize(std::size_t(regions.count()));
-    find_volume_range();
+    // Of all the whole volume's slices, other GPs' too, so that a clip box changes no table.
+    for (const SliceRange& range : store_.ranges(axis())) {
+      low_ = std::min(low_, range.low);
+      high_ = std::max(high_, range.high);
+    }
     if (kept != nullptr) kept_ = kept->begin_frame(*frame_, value_scale(*frame_, low_, high_));
   }
 
@@ -63,7 +72,12 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     if (labels_of_level_ != nullptr)
       labels_ = labels_of_level_->slice(axis(), geometry().slice_at(step), geometry().box);
     columns_ = CellRanges::blocks_along(slice_.width);
-    find_layers(step);
+    const auto layer_of = [this](int at) {
+      return geometry().layer_of(geometry().slice_at(std::clamp(at, 0, geometry().slices - 1)));
+    };
+    // Of slabs at the slice, and for gradients beside it.
+    std::tie(first_layer_, last_layer_) =
+        std::minmax(layer_of(step - frame_->reach()), layer_of(step + frame_->reach() - 1));
     states_ = blocks_.of(store_, geometry().box, axis(), slice_.index, frame_->reach(), frame_->transparent);
     counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height),
                .blocks = states_.size()};
@@ -128,15 +142,6 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
         if (one.byte >= block_present) (*held)[one.block] = true;
     }
   };
-
-  /// The layers that are drawn with a step's slice: of slabs at it, and for gradients beside it.
-  void find_layers(int step) {
-    const auto layer_of = [this](int at) {
-      return geometry().layer_of(geometry().slice_at(std::clamp(at, 0, geometry().slices - 1)));
-    };
-    std::tie(first_layer_, last_layer_) =
-        std::minmax(layer_of(step - frame_->reach()), layer_of(step + frame_->reach() - 1));
-  }
 
   int block_width(int column) const { return std::min(side, slice_.width - column * side); }
   int block_height(int row) const { return std::min(side, slice_.height - row * side); }
@@ -308,23 +313,6 @@ class SheetEncoder final : public FrameEncoder<SheetFrame> {
     for (int y = 0; y < block_height(row); ++y, from += slice.row_pitch() * scalar, to += bytes)
       std::memcpy(to, from, bytes);
     return to;
-  }
-
-  void check_ranges_known() const {
-    if (!store_.knows_cell_ranges(axis()))
-      throw RunError(
-          fmt::format(
-              "frame {} is drawn by sheets, but the ranges of the cells between slices were not loaded",
-              frame_->number),
-          "load the volume for all the frames that are to be drawn, of both engines");
-  }
-
-  /// Of all the whole volume's slices, other GPs' too, so that a clip box changes no table.
-  void find_volume_range() {
-    for (const SliceRange& range : store_.ranges(axis())) {
-      low_ = std::min(low_, range.low);
-      high_ = std::max(high_, range.high);
-    }
   }
 
   SliceBlocks& blocks_;
