@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cmath>
 #include <optional>
+#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -74,7 +75,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   bool work() override {
     if (make_room(step_)) return false;
     planes_.place(step_, *payload_, geometry().grid.type);
-    add_slabs();
+    if (step_ == 0) add_slab(-1, windows_->before_first);
+    add_slab(step_, windows_->behind(step_));
     payload_.reset();
     return true;
   }
@@ -230,11 +232,6 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     return complete;
   }
 
-  void add_slabs() {
-    if (step_ == 0) add_slab(-1, windows_->before_first);
-    add_slab(step_, windows_->behind(step_));
-  }
-
   void add_slab(int step, const BlockWindows& windows) {
     tiles_.add_slab();
     bool any = false;
@@ -290,18 +287,14 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     painting_ = 0;
   }
 
-  bool has_tiles(std::size_t group) const {
-    const TileMask* masks = tiles_.masks_of(group);
-    for (std::size_t k = 0; k < painting_; ++k)
-      if (masks[std::ptrdiff_t(k) * tiles_.stride()] != 0) return true;
-    return false;
-  }
-
   /// Finds the groups that the slabs may show. Their images' memory is made before threads share them.
   void find_groups() {
     groups_.clear();
     for (std::size_t g = 0; g < tiles_.groups().size(); ++g) {
-      if (!has_tiles(g)) continue;
+      const auto shows = [&](std::size_t slab) {
+        return tiles_.masks_of(g)[std::ptrdiff_t(slab) * tiles_.stride()] != 0;
+      };
+      if (std::ranges::none_of(std::views::iota(std::size_t{0}, painting_), shows)) continue;
       groups_.push_back(g);
       images_.image(tiles_.groups()[g].slot).pixels();
     }
