@@ -116,10 +116,6 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   }
 
  private:
-  bool whole_numbers() const {
-    return geometry().grid.type != ScalarType::float32 && geometry().grid.type != ScalarType::float64;
-  }
-
   void read(const PayloadToDraw& payload) {
     read_payload(payload.step, [&] {
       payload_ = read_sheet_payload(payload.body, rays_.voxels[0], rays_.voxels[1], geometry().grid.type);
@@ -132,7 +128,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
 
   void take_range(const SheetHeader& header) {
     const bool known = std::isfinite(header.low) && std::isfinite(header.high) && header.low <= header.high;
-    if (!known && whole_numbers())
+    if (!known && is_whole(geometry().grid.type))
       throw RunError(fmt::format("Renderer {} was told that the volume's values lie between {} and {}",
                                  renderer_, header.low, header.high),
                      "all ranks must run the same build");
@@ -209,7 +205,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void fill_table() {
     const TransferFunction& tf = frame_->shown.transfer_function;
     if (frame_->nearest()) {
-      values_.set_function(tf, scale_.low, scale_.high, whole_numbers());
+      values_.set_function(tf, scale_.low, scale_.high, is_whole(geometry().grid.type));
       values_.set_length(slab_length());
     } else {
       table_.set_function(tf, scale_.low, scale_.high);

@@ -100,8 +100,7 @@ double PlaneCode::finite(double value) const {
 }
 
 PlaneCode PlaneCode::choose(ScalarType type, double low, double high, bool rounded, int pieces) {
-  const bool whole_numbers = type != ScalarType::float32 && type != ScalarType::float64;
-  if (whole_numbers) {
+  if (is_whole(type)) {
     // Extrapolations beyond the border, multiplied by up to `pieces`, and their differences fit 16 bits.
     const double most = std::min(4095, 8190 / pieces);
     if (high - std::floor(low) <= most) return {.offset = std::floor(low)};

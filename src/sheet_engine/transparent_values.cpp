@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "classify/adjust.hpp"
+#include "sheet_engine/table_axis.hpp"
 
 namespace ringsplat {
 namespace {
@@ -84,12 +85,11 @@ Fillers make_fillers(const TransparentValues& transparent, ScalarType type, doub
   Fillers fillers;
   fillers.fill(low);
   fillers.back() = std::numeric_limits<double>::quiet_NaN();
-  const bool whole = type != ScalarType::float32 && type != ScalarType::float64;
   for (std::size_t k = 0; k < transparent.intervals().size(); ++k) {
     const auto& i = transparent.intervals()[k];
-    const double within = !whole      ? 0.5 * (i.low + i.high)
-                          : i.has_low ? std::ceil(i.low)
-                                      : std::floor(i.low) + 1;
+    const double within = !is_whole(type) ? 0.5 * (i.low + i.high)
+                          : i.has_low     ? std::ceil(i.low)
+                                          : std::floor(i.low) + 1;
     fillers[k] = !std::isfinite(i.low) ? low : !std::isfinite(i.high) ? high : std::clamp(within, low, high);
   }
   return fillers;
