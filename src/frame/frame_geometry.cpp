@@ -111,9 +111,9 @@ void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
     lay_into_slices(g, shown, sheets.plane_samples, 1.0, least);
   const auto [u, v] = in_plane(g.traversal.axis);
   const int k = static_cast<int>(g.traversal.axis);
-  for (int along = 0; along < 2; ++along)
-    g.reach[along] = std::abs(g.view.linear[u][along]) + std::abs(g.view.linear[v][along]) +
-                     0.5 * std::abs(g.view.linear[k][along]);
+  const glm::dmat3& linear = g.view.linear;
+  g.reach = glm::abs(glm::dvec2(linear[u])) + glm::abs(glm::dvec2(linear[v])) +
+            0.5 * glm::abs(glm::dvec2(linear[k]));
   double magnification = 0;  // the largest in the volume's box
   for (int corner = 0; corner < 8; ++corner) {
     const glm::dvec3 far{corner & 1, corner >> 1 & 1, corner >> 2};

@@ -169,20 +169,6 @@ GradientAxes gradient_axes(const FrameGeometry& g) {
   return to;
 }
 
-/// Sets what rays of a perspective frame need to know of lengths and of gradient_light()'s coordinates.
-void set_lengths(const SheetFrame& frame, EyeGrid& eye) {
-  const FrameGeometry& g = frame.geometry;
-  const Grid& grid = g.grid;
-  const GradientAxes axes = gradient_axes(g);
-  const glm::ivec3 lattice = axes_of(g);
-  const double unit = frame.unit_length();
-  for (int i = 0; i < 3; ++i)
-    for (int k = 0; k < 3; ++k)
-      eye.axes[i][k] = static_cast<float>(
-          glm::dot(axes.basis[i], grid.direction[lattice[k]] * (grid.spacing[lattice[k]] / unit)));
-  eye.table_length = frame.by_length() ? static_cast<float>(frame.step_length()) : 0;
-}
-
 SheetRays rays_from_eye(const SheetFrame& frame) {
   const FrameGeometry& g = frame.geometry;
   const glm::ivec3 axes = axes_of(g);
@@ -200,7 +186,14 @@ SheetRays rays_from_eye(const SheetFrame& frame) {
     eye.low[i] = float(-1 - reach);
     eye.high[i] = float(voxels + reach);
   }
-  set_lengths(frame, eye);
+  // Lengths, and gradient_light()'s coordinates.
+  const GradientAxes world = gradient_axes(g);
+  const double unit = frame.unit_length();
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      eye.axes[i][k] = static_cast<float>(
+          glm::dot(world.basis[i], g.grid.direction[axes[k]] * (g.grid.spacing[axes[k]] / unit)));
+  eye.table_length = frame.by_length() ? static_cast<float>(frame.step_length()) : 0;
   return rays;
 }
 
