@@ -84,13 +84,13 @@ class MpiTransport final : public Transport {
   }
 
   bool sends_done() override {
-    for (auto it = sending_.begin(); it != sending_.end();) {
+    sending_.remove_if([](Sending& sending) {
+      auto& requests = sending.requests;
       int done = 0;
-      checked(
-          MPI_Testall(static_cast<int>(it->requests.size()), it->requests.data(), &done, MPI_STATUSES_IGNORE),
-          "MPI_Testall");
-      it = done != 0 ? sending_.erase(it) : std::next(it);
-    }
+      checked(MPI_Testall(static_cast<int>(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE),
+              "MPI_Testall");
+      return done != 0;
+    });
     return sending_.empty();
   }
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <cmath>
 #include <cstdint>
-#include <deque>
 #include <functional>
+#include <list>
 #include <map>
 #include <memory>
 #include <utility>
@@ -19,11 +19,10 @@ namespace ringsplat {
 /// frame's start, and the token itself in the step after.
 class LockStep {
  public:
-  LockStep() = default;
-  /// One rank's lock step by now_seconds(), which must be common to all ranks, as it is under simulation. A
-  /// step lasts `step_seconds`: longer than encoding a slice, and than a payload and its accept take.
-  /// `nap(seconds)` lets time pass on a rank that has nothing else to do.
-  LockStep(double step_seconds, std::function<void(double)> nap)
+  /// With `step_seconds` one rank's lock step by now_seconds(), which must be common to all ranks, as it is
+  /// under simulation. A step lasts so long: longer than encoding a slice, and than a payload and its accept
+  /// take. `nap(seconds)` lets time pass on a rank that has nothing else to do.
+  explicit LockStep(double step_seconds = 0, std::function<void(double)> nap = {})
       : step_seconds_(step_seconds), nap_(std::move(nap)) {}
 
   /// True when a message may leave its node now.
@@ -57,7 +56,7 @@ class LockStep {
   }
 
  private:
-  double step_seconds_ = 0;
+  double step_seconds_;
   std::function<void(double)> nap_;
   std::int64_t now_ = 0;
   std::int64_t frame_ = -1, frame_start_ = 0;  ///< of the frame under way; there is only one at a time
@@ -80,18 +79,14 @@ class LockStepTransport final : public TransportDecorator {
     kept_.push_back({destination, std::move(message)});
   }
   bool begin_turn() override {
-    bool released = inner_.begin_turn();
-    for (auto kept = kept_.begin(); kept != kept_.end();) {
-      if (!clock_->may_leave(kept->message.header)) {
-        ++kept;
-        continue;
-      }
-      --clock_->kept;
-      inner_.send(kept->destination, std::move(kept->message));
-      kept = kept_.erase(kept);
-      released = true;
-    }
-    return released;
+    const bool released = inner_.begin_turn();
+    const auto left = kept_.remove_if([this](Kept& kept) {
+      const bool leaves = clock_->may_leave(kept.message.header);
+      if (leaves) inner_.send(kept.destination, std::move(kept.message));
+      return leaves;
+    });
+    clock_->kept -= int(left);
+    return released || left > 0;
   }
   void wait_next() override { kept_.empty() ? inner_.wait_next() : clock_->wait(); }
   void wait_between_frames(const Sleep& sleep) override {
@@ -104,7 +99,7 @@ class LockStepTransport final : public TransportDecorator {
     Message message;
   };
   std::shared_ptr<LockStep> clock_;
-  std::deque<Kept> kept_;
+  std::list<Kept> kept_;
 };
 
 }  // namespace ringsplat
