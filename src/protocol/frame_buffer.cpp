@@ -17,13 +17,7 @@ namespace {
 /// every tile that Renderers report has arrived; then it checks the conservation sums.
 class FrameBuffer final : public Node {
  public:
-  FrameBuffer(const Layout& layout, const ProtocolOptions& options, Engine& engine, FrameSource& source,
-              Post announce)
-      : layout_(layout),
-        options_(options),
-        engine_(engine),
-        source_(source),
-        announce_(std::move(announce)) {}
+  FrameBuffer(NodeParts parts, FrameSource& source) : my_(std::move(parts)), source_(source) {}
 
   NodeId id() const override { return frame_buffer_id; }
   void begin_frame(const Announcement&) override {}
@@ -32,8 +26,7 @@ class FrameBuffer final : public Node {
     const Header& h = message.header;
     if (h.kind == Kind::tile) return take_tile(frame_of(h), message);
     if (h.kind == Kind::report) return take_report(frame_of(h), message);
-    throw RunError(
-        fmt::format("the frame buffer cannot use a {} (from {})", name(h.kind), to_string(h.from())));
+    refuse(id(), h);
   }
 
   bool advance() override {
@@ -44,7 +37,7 @@ class FrameBuffer final : public Node {
       complete(std::move(frame));
       return true;
     }
-    const auto most = std::size_t(options_.frames_in_flight);
+    const auto most = std::size_t(my_.options.frames_in_flight);
     if (!no_more_ && frames_.size() < most) return announce_next();
     if (no_more_ && frames_.empty() && !shut_down_) {
       shut_down_ = true;
@@ -60,8 +53,8 @@ class FrameBuffer final : public Node {
     std::vector<std::string> who;
     for (int n = 0; n < int(f.reported.size()); ++n) {
       if (f.reported[std::size_t(n)]) continue;
-      const bool gp = n < layout_.gps;
-      who.push_back(to_string({gp ? Role::gp : Role::renderer, gp ? n : n - layout_.gps}));
+      const bool gp = n < my_.layout.gps;
+      who.push_back(to_string({gp ? Role::gp : Role::renderer, gp ? n : n - my_.layout.gps}));
     }
     if (who.empty())
       return fmt::format("the frame buffer waits for {} tile(s) of frame {}", f.tiles_reported - f.tiles_here,
@@ -84,7 +77,7 @@ class FrameBuffer final : public Node {
   };
 
   void announce(Kind kind, std::int64_t frame, Bytes body = {}) {
-    announce_(Message(make_header(kind, id(), {Role::host, 0}, frame), std::move(body)));
+    my_.post(Message(make_header(kind, id(), {Role::host, 0}, frame), std::move(body)));
   }
 
   bool drop_unwanted() {
@@ -113,19 +106,19 @@ class FrameBuffer final : public Node {
   }
 
   Frame make_frame(const Announcement& announcement) {
-    FramePlan plan = engine_.plan(announcement);
+    FramePlan plan = my_.engine.plan(announcement);
     Frame frame;
-    frame.canvas = engine_.canvas(announcement);
+    frame.canvas = my_.engine.canvas(announcement);
     frame.tile_here.resize(plan.tiles.size());
     frame.tiles = std::move(plan.tiles);
-    frame.reports_missing = layout_.gps + layout_.renderers;
+    frame.reports_missing = my_.layout.gps + my_.layout.renderers;
     frame.reported.resize(std::size_t(frame.reports_missing));
     frame.announced = now_seconds();
     frame.stats.frame = announcement.frame;
     frame.stats.ascending = plan.ascending;
     frame.stats.slices = plan.slices();
-    frame.stats.gps.resize(std::size_t(layout_.gps));
-    frame.stats.renderers.resize(std::size_t(layout_.renderers));
+    frame.stats.gps.resize(std::size_t(my_.layout.gps));
+    frame.stats.renderers.resize(std::size_t(my_.layout.renderers));
     return frame;
   }
 
@@ -162,7 +155,7 @@ class FrameBuffer final : public Node {
     if (!from_gp && h.source_role != Role::renderer)
       throw RunError(
           fmt::format("{} reported frame {}, in which it has no part", to_string(h.from()), h.frame));
-    auto reported = frame.reported.begin() + (from_gp ? h.source : layout_.gps + h.source);
+    auto reported = frame.reported.begin() + (from_gp ? h.source : my_.layout.gps + h.source);
     if (*reported) throw RunError(fmt::format("{} reported frame {} twice", to_string(h.from()), h.frame));
     *reported = true;
     (from_gp ? frame.stats.gps : frame.stats.renderers)[std::size_t(h.source)] = stats;
@@ -177,16 +170,14 @@ class FrameBuffer final : public Node {
     stats.seconds = now - frame.announced;
     stats.period = now - std::max(frame.announced, last_completed_);
     last_completed_ = now;
-    if (options_.trace) options_.trace->of(id())->add(Activity::frame, stats.frame, -1, frame.announced, now);
+    if (my_.options.trace)
+      my_.options.trace->of(id())->add(Activity::frame, stats.frame, -1, frame.announced, now);
     check_conservation(stats);
     source_.done(std::move(stats));
   }
 
-  Layout layout_;
-  ProtocolOptions options_;
-  Engine& engine_;
+  NodeParts my_;
   FrameSource& source_;
-  Post announce_;
   std::deque<Frame> frames_;
   std::int64_t next_frame_ = 0;
   bool no_more_ = false, shut_down_ = false;
@@ -195,9 +186,8 @@ class FrameBuffer final : public Node {
 
 }  // namespace
 
-std::unique_ptr<Node> make_frame_buffer(const Layout& layout, const ProtocolOptions& options, Engine& engine,
-                                        FrameSource& source, Post announce) {
-  return std::make_unique<FrameBuffer>(layout, options, engine, source, std::move(announce));
+std::unique_ptr<Node> make_frame_buffer(NodeParts parts, FrameSource& source) {
+  return std::make_unique<FrameBuffer>(std::move(parts), source);
 }
 
 }  // namespace ringsplat

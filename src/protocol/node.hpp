@@ -45,7 +45,7 @@ class Node {
 /// How nodes send: the host finds the way.
 using Post = std::function<void(Message)>;
 
-/// What a GP or a Renderer is made from. The engine must outlive it.
+/// What a node is made from. The engine must outlive it.
 struct NodeParts {
   int index;
   Layout layout;
@@ -55,10 +55,9 @@ struct NodeParts {
 };
 std::unique_ptr<Node> make_gp(NodeParts parts);
 std::unique_ptr<Node> make_renderer(NodeParts parts);
-/// `announce` carries an announcement, a drop or a shutdown to every rank, this one included. The engine and
-/// the source must outlive it.
-std::unique_ptr<Node> make_frame_buffer(const Layout& layout, const ProtocolOptions& options, Engine& engine,
-                                        FrameSource& source, Post announce);
+/// What it posts, an announcement, a drop or a shutdown, goes to every rank, this one included. The source
+/// must outlive it.
+std::unique_ptr<Node> make_frame_buffer(NodeParts parts, FrameSource& source);
 
 /// Says that a node cannot use messages of this kind.
 [[noreturn]] inline void refuse(NodeId node, const Header& h) {

@@ -89,12 +89,12 @@ class Host {
     if (between.pace) paced_ = between.pace(*transport_);
     if (paced_) transport_ = paced_.get();
     if (layout.idle > 0) transport_->only_first_work(layout.working_ranks());
-    const Post send = [this](Message m) { post(std::move(m)); };
+    const Post send = [this](Message m) { post(std::move(m)); },
+               to_all = [this](Message m) { announce(std::move(m)); };
     for (const NodeId node : layout.nodes_on(rank())) {
       const auto make = node.role == Role::gp ? make_gp : make_renderer;
       nodes_.push_back(node == frame_buffer_id
-                           ? make_frame_buffer(layout, options, engine, *source_,
-                                               [this](Message m) { announce(std::move(m)); })
+                           ? make_frame_buffer({0, layout, options, engine, to_all}, *source_)
                            : make({node.index, layout, options, engine, send}));
     }
   }

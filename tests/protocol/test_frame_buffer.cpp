@@ -17,7 +17,7 @@ struct LoneFrameBuffer {
   explicit LoneFrameBuffer(int frames = 1, const ProtocolOptions& options = {},
                            Layout layout = {.gps = 2, .renderers = 1})
       : source(std::vector<ToyFrame>(std::size_t(frames), ToyFrame{.steps = 3, .tiles = 2})),
-        made(make_frame_buffer(layout, options, engine, source, posted.post())) {
+        made(make_frame_buffer({0, layout, options, engine, posted.post()}, source)) {
     run(buffer);
   }
 
