@@ -182,11 +182,9 @@ Prediction Forecast::predict(const Layout& layout) {
   const double share = 1.0 / double(views_.size());
   for (const auto& view : views_) {
     const Prediction one = predict(*view, layout);
-    p.seconds += share * one.seconds;
-    p.gp += share * one.gp;
-    p.renderer += share * one.renderer;
-    p.shared += share * one.shared;
-    p.tokens += share * one.tokens;
+    for (const auto part : {&Prediction::gp, &Prediction::renderer, &Prediction::shared, &Prediction::tokens,
+                            &Prediction::seconds})
+      p.*part += share * one.*part;
   }
   const bool colocated = layout.placement == Placement::colocated;
   const double longest = colocated ? p.gp + p.renderer : std::max(p.gp, p.renderer);
