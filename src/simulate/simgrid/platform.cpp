@@ -87,53 +87,39 @@ using Links = std::vector<s4u::Link*>;
 class RouteZone final : public routing::NetZoneImpl {
  public:
   using Way = std::function<Links(int from, int to)>;
-  explicit RouteZone(const std::string& name) : NetZoneImpl(name) {}
-
-  s4u::Host* add_host(int index) {
-    auto* const host = create_host(fmt::format("n{}", index), {speed});
-    const auto point = std::size_t(host->get_netpoint()->id());
-    if (host_of_point_.size() <= point) host_of_point_.resize(point + 1, -1);
-    host_of_point_[point] = index;
-    return host;
-  }
-  /// One direction of a wire.
-  s4u::Link* add_link(const std::string& name, double bandwidth, double latency) {
-    return create_link(name, {bandwidth})->set_latency(latency);
+  explicit RouteZone(const Job& job) : NetZoneImpl("machine") {
+    for (int index = 0; index < job.hosts(); ++index) {
+      auto* const host = create_host(fmt::format("n{}", index), {speed});
+      host->set_core_count(job.machine.platform.cores);
+      index_of_[host->get_netpoint()] = index;
+    }
   }
   void set_way(Way way) { way_ = std::move(way); }
 
   void get_local_route(const routing::NetPoint* from, const routing::NetPoint* to, routing::Route* route,
                        double* latency) override {
-    for (const auto* link :
-         way_(host_of_point_.at(std::size_t(from->id())), host_of_point_.at(std::size_t(to->id())))) {
+    for (const auto* link : way_(index_of_.at(from), index_of_.at(to))) {
       route->link_list_.push_back(link->get_impl());
       if (latency != nullptr) *latency += link->get_latency();
     }
   }
 
  private:
-  std::vector<int> host_of_point_;  ///< by netpoint id
+  std::map<const routing::NetPoint*, int> index_of_;  ///< of each host
   Way way_;
 };
 
-RouteZone& new_zone(const Job& job) {
-  auto* const zone = new RouteZone("machine");  // SimGrid's engine owns it
-  for (int host = 0; host < job.hosts(); ++host)
-    zone->add_host(host)->set_core_count(job.machine.platform.cores);
-  return *zone;
-}
-
 s4u::NetZone* backbone(const Job& job) {
-  RouteZone& zone = new_zone(job);
+  auto& zone = *new RouteZone(job);  // SimGrid's engine owns it
   const auto& platform = job.machine.platform;
   Links out, in;
   for (int host = 0; host < job.hosts(); ++host) {
-    out.push_back(
-        zone.add_link(fmt::format("n{}-out", host), job.machine.platform.bandwidth, platform.latency));
-    in.push_back(zone.add_link(fmt::format("n{}-in", host), job.machine.platform.bandwidth, 0));
+    out.push_back(zone.create_link(fmt::format("n{}-out", host), {platform.bandwidth}));
+    out.back()->set_latency(platform.latency);
+    in.push_back(zone.create_link(fmt::format("n{}-in", host), {platform.bandwidth}));
   }
   s4u::Link* const shared =
-      platform.backbone_bandwidth > 0 ? zone.add_link("backbone", platform.backbone_bandwidth, 0) : nullptr;
+      platform.backbone_bandwidth > 0 ? zone.create_link("backbone", {platform.backbone_bandwidth}) : nullptr;
   s4u::Link* const local = add_local_link(zone, "local", job);
   zone.set_way([=](int from, int to) {
     if (from == to) return Links{local};
@@ -151,11 +137,12 @@ s4u::NetZone* mesh(const Job& job) {
   if (job.layout.topology != Topology::mesh || job.hosts() != job.ranks)
     throw InputError("a mesh machine runs a mesh of ranks, one on a host",
                      "add topology and mesh to the configuration");
-  RouteZone& zone = new_zone(job);
+  auto& zone = *new RouteZone(job);  // SimGrid's engine owns it
   const auto& platform = job.machine.platform;
   std::map<Link, s4u::Link*> wires;
   for (const Link& link : links(job.layout))
-    wires[link] = zone.add_link(name(job.layout, link), job.machine.platform.bandwidth, platform.latency);
+    wires[link] =
+        zone.create_link(name(job.layout, link), {platform.bandwidth})->set_latency(platform.latency);
   s4u::Link* const local = add_local_link(zone, "local", job);
   zone.set_way([layout = job.layout, wires, local](int from, int to) {
     if (from == to) return Links{local};

@@ -42,7 +42,11 @@ class ReceiveBuffers {
   /// ends, so looking costs nothing. MPI_Testany would call the simulator for each look; and SimGrid 3.32
   /// leaves requests completed by a test in a list that every later event walks, while it removes those that
   /// were waited for.
-  bool written(std::size_t index) const { return magic(index) != 0; }
+  bool written(std::size_t index) const {
+    decltype(Header::magic) magic;
+    std::memcpy(&magic, at(index) + offsetof(Header, magic), sizeof(magic));
+    return magic != 0;
+  }
   void clear(std::size_t index) const {
     const auto nothing = decltype(Header::magic){};
     std::memcpy(at(index) + offsetof(Header, magic), &nothing, sizeof(nothing));
@@ -54,12 +58,6 @@ class ReceiveBuffers {
   }
 
  private:
-  decltype(Header::magic) magic(std::size_t index) const {
-    decltype(Header::magic) value;
-    std::memcpy(&value, at(index) + offsetof(Header, magic), sizeof(value));
-    return value;
-  }
-
   std::size_t largest_;
   std::byte* memory_;
 };
