@@ -40,26 +40,23 @@ std::vector<std::uint64_t> tile_bits(const FramePlan& plan) {
   return bits;
 }
 
-/// How many times as many voxels and items there are as an encoder says. Sheets' blocks are weighed where
-/// they are encoded: so many more are so much smaller.
-struct Weights {
-  double voxels, items;
-};
-
 class CountingEncoder final : public EncoderDecorator {
  public:
-  CountingEncoder(std::unique_ptr<Encoder> inner, const FramePlan& plan, Weights weights)
+  /// Weights: how many times as many voxels and items there are as `inner` says.
+  CountingEncoder(std::unique_ptr<Encoder> inner, const FramePlan& plan, double voxel_weight,
+                  double item_weight)
       : EncoderDecorator(std::move(inner)),
         bits_(tile_bits(plan)),
         joined_(!plan.slices_of_steps.empty()),
-        weights_(weights) {}
+        voxel_weight_(voxel_weight),
+        item_weight_(item_weight) {}
 
   void take_news(std::span<const std::byte>) override {}
 
   EncodedStep finish() override {
     EncodedStep step = inner_->finish();
-    step.counts = {times(weights_.voxels, step.counts.voxels), times(weights_.voxels, step.counts.visible),
-                   times(weights_.voxels, step.counts.outside), step.counts.blocks};
+    step.counts = {times(voxel_weight_, step.counts.voxels), times(voxel_weight_, step.counts.visible),
+                   times(voxel_weight_, step.counts.outside), step.counts.blocks};
     for (EncodedPart& part : step.parts)
       if (!part.payload.empty()) count(part);
     return step;
@@ -72,7 +69,7 @@ class CountingEncoder final : public EncoderDecorator {
 
   void count(EncodedPart& part) const {
     Said said;
-    said.items = times(weights_.items, part.items) & ((std::uint64_t{1} << 40) - 1);
+    said.items = times(item_weight_, part.items) & ((std::uint64_t{1} << 40) - 1);
     // What the measured payloads of the step's slices say together.
     const auto body = std::span<const std::byte>(part.payload).subspan(sizeof(Header));
     std::size_t bytes = 0;
@@ -85,7 +82,7 @@ class CountingEncoder final : public EncoderDecorator {
       said.work.samples += slice.work.samples;
     }
     for (const int tile : part.tiles) said.tiles |= bits_[std::size_t(tile)];
-    const auto size = std::max(sizeof said, std::size_t(times(weights_.items, bytes)));
+    const auto size = std::max(sizeof said, std::size_t(times(item_weight_, bytes)));
     part.payload = Message::body_buffer();
     part.payload.reserve(part.payload.size() + size);
     append(part.payload, said);
@@ -96,7 +93,7 @@ class CountingEncoder final : public EncoderDecorator {
 
   std::vector<std::uint64_t> bits_;  ///< by tile
   bool joined_;                      ///< steps are bundles
-  Weights weights_;
+  double voxel_weight_, item_weight_;
 };
 
 class CountingPainter final : public Painter {
@@ -145,9 +142,10 @@ class CountingEngine final : public EngineDecorator {
       : EngineDecorator(std::move(inner)), voxel_weight_(voxel_weight) {}
 
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
+    // Sheets' blocks are weighed where they are encoded: so many more are so much smaller.
     const bool sheets = std::holds_alternative<Sheets>(method_of(a.body));
-    return std::make_unique<CountingEncoder>(inner_->encoder(gp, a), inner_->plan(a),
-                                             Weights{voxel_weight_, sheets ? 1 : voxel_weight_});
+    return std::make_unique<CountingEncoder>(inner_->encoder(gp, a), inner_->plan(a), voxel_weight_,
+                                             sheets ? 1 : voxel_weight_);
   }
   std::shared_ptr<Painter> painter(int renderer, const Announcement& a) override {
     return std::make_shared<CountingPainter>(renderer, inner_->plan(a));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -118,7 +119,7 @@ class WeighedEncoder final : public FrameEncoder<SheetFrame> {
 
   std::vector<int> shown() override {
     std::vector<int> steps(std::size_t(geometry().slices));
-    for (int step = 0; step < geometry().slices; ++step) steps[std::size_t(step)] = step;
+    std::iota(steps.begin(), steps.end(), 0);
     return steps;
   }
   void begin(int step) override {
