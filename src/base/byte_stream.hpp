@@ -5,8 +5,14 @@
 #include <type_traits>
 
 #include "ringsplat/base/bytes.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
+
+/// The bytes that another rank sent are none that this build sends.
+struct OtherBuild : RunError {
+  explicit OtherBuild(const std::string& problem) : RunError(problem, "all ranks must run the same build") {}
+};
 
 /// Appends the object representation of `value`.
 template <class T>

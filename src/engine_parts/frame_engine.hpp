@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "base/thread_team.hpp"
 #include "frame/engine_setup.hpp"
 #include "frame/frame_geometry.hpp"
@@ -143,8 +144,7 @@ class FramePainter : public Painter {
   void read_payload(int step, const Read& read) const {
     try {
       if (step < 0 || step >= geometry().slices)
-        throw RunError(fmt::format("the traversal has {} steps", geometry().slices),
-                       "all ranks must run the same build");
+        throw OtherBuild(fmt::format("the traversal has {} steps", geometry().slices));
       read();
     } catch (const RunError& e) {
       throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));

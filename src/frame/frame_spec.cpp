@@ -179,9 +179,7 @@ void check_tints(const Shown& shown, const Method& method) {
 /// The first byte has the method's index among Method's alternatives, and above it the volume's number.
 constexpr std::size_t most_methods = 4;
 
-[[noreturn]] void refuse_bytes() {
-  throw RunError("a frame announcement cannot be read", "all ranks must run the same build");
-}
+[[noreturn]] void refuse_bytes() { throw OtherBuild("a frame announcement cannot be read"); }
 
 }  // namespace
 

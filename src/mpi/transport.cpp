@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "mpi/connections.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
@@ -164,9 +164,8 @@ class MpiTransport final : public Transport {
     const std::size_t total = sizeof(Header) + std::min(header.bytes, longest);
     std::size_t at = block.size();
     if (total < at || header.bytes > longest)
-      throw RunError(fmt::format("rank {} sent a {} in parts that says it has {} bytes", source,
-                                 name(header.kind), header.bytes),
-                     "all ranks must run the same build");
+      throw OtherBuild(fmt::format("rank {} sent a {} in parts that says it has {} bytes", source,
+                                   name(header.kind), header.bytes));
     block.resize(total);
     while (at < total) {
       const std::size_t part = std::min(largest_part_, total - at);

@@ -28,8 +28,7 @@ void read_block(const Block& block, const char* what, Values&... values) {
   FromBytes archive(block);
   archive(values...);
   if (!archive.ok() || !archive.at_end())
-    throw RunError(fmt::format("a process sent {} bytes instead of {}", block.size(), what),
-                   "all ranks must run the same build");
+    throw OtherBuild(fmt::format("a process sent {} bytes instead of {}", block.size(), what));
 }
 template <class T>
 T value_of(const Block& block, const char* what) {
@@ -41,8 +40,7 @@ T value_of(const Block& block, const char* what) {
 /// The next bytes of a message of voxels, and moves `at` behind them. Throws RunError when there are fewer.
 inline std::span<const std::byte> next_bytes(std::span<const std::byte> in, std::size_t& at,
                                              std::size_t count) {
-  if (in.size() - at < count)
-    throw RunError("a volume exchange message is too short", "all ranks must run the same build");
+  if (in.size() - at < count) throw OtherBuild("a volume exchange message is too short");
   const auto part = in.subspan(at, count);
   at += count;
   return part;

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "base/archive.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
@@ -121,9 +120,8 @@ std::vector<LinkCounts> decode_link_counts(std::span<const std::byte> body, cons
   const auto expected = links_from(mesh, rank);
   if (!counts || !std::equal(counts->begin(), counts->end(), expected.begin(), expected.end(),
                              [](const LinkCounts& c, const Link& link) { return c.link == link; }))
-    throw RunError(fmt::format("rank {} sent a link report of {} bytes that is not about its {} link(s)",
-                               rank, body.size(), expected.size()),
-                   "all ranks must run the same build");
+    throw OtherBuild(fmt::format("rank {} sent a link report of {} bytes that is not about its {} link(s)",
+                                 rank, body.size(), expected.size()));
   return *counts;
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -48,8 +49,7 @@ Header Message::header_of(std::span<const std::byte> block, int from_rank) {
   std::memcpy(&h, block.data(), sizeof(Header));
   if (h.magic != Header{}.magic || static_cast<std::uint8_t>(h.kind) >= kinds || h.source_role > Role::host ||
       h.destination_role > Role::host)
-    throw RunError(fmt::format("rank {} sent bytes that are no Ringsplat message", from_rank),
-                   "all ranks must run the same build");
+    throw OtherBuild(fmt::format("rank {} sent bytes that are no Ringsplat message", from_rank));
   return h;
 }
 

@@ -149,8 +149,7 @@ class FrameBuffer final : public Node {
     NodeStats stats;
     std::size_t at = 0;
     if (!take(message.body(), at, stats) || at != message.body().size())
-      throw RunError(fmt::format("{} sent a report of {} bytes", to_string(h.from()), h.bytes),
-                     "all ranks must run the same build");
+      throw OtherBuild(fmt::format("{} sent a report of {} bytes", to_string(h.from()), h.bytes));
     const bool from_gp = h.source_role == Role::gp;
     if (!from_gp && h.source_role != Role::renderer)
       throw RunError(

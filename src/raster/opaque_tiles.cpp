@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/byte_stream.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
@@ -26,8 +25,7 @@ void read_opaque_news(std::span<const std::byte> news, std::vector<OpaqueTiles>&
     std::int32_t region = -1;
     if (!take(news, at, region) || region < 0 || std::size_t(region) >= known.size() ||
         news.size() - at < bitmap_bytes(known[std::size_t(region)]))
-      throw RunError(fmt::format("news of opaque tiles are not understood at byte {}", at),
-                     "all ranks must run the same build");
+      throw OtherBuild(fmt::format("news of opaque tiles are not understood at byte {}", at));
     OpaqueTiles& tiles = known[std::size_t(region)];
     for (int tile = 0; tile < tiles.columns() * tiles.rows(); ++tile)
       if ((std::to_integer<unsigned>(news[at + std::size_t(tile / 8)]) >> (tile % 8) & 1U) != 0)

@@ -9,7 +9,6 @@
 #include "base/clock.hpp"
 #include "base/process.hpp"
 #include "net/blocks.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 
@@ -123,8 +122,7 @@ Trace::Gathered Trace::gather(Collectives& collectives) const {
     FromBytes archive(in[p]);
     archive(all.offsets.emplace_back(), nodes);
     if (!archive.ok() || !archive.at_end() || !std::ranges::all_of(nodes, is_sound))
-      throw RunError(fmt::format("rank {} sent a broken record of what it did", p),
-                     "all ranks must run the same build");
+      throw OtherBuild(fmt::format("rank {} sent a broken record of what it did", p));
     std::ranges::move(nodes, std::back_inserter(all.nodes));
   }
   return all;

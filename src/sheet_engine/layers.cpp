@@ -10,7 +10,6 @@
 #include "base/byte_stream.hpp"
 #include "base/half.hpp"
 #include "net/message.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
@@ -111,9 +110,8 @@ void LayerSum::add(std::span<const std::byte> bytes) {
     const bool complete = take(bytes, at, head) && head.bytes <= bytes.size() - at;
     if (!complete || head.region < 0 || head.region >= g.regions.count() ||
         frame_->plan.tiles[std::size_t(head.region % tiles)].renderer != renderer_)
-      throw RunError(
-          fmt::format("Renderer {} got {} bytes that are no layers of its tiles", renderer_, bytes.size()),
-          "all ranks must run the same build");
+      throw OtherBuild(
+          fmt::format("Renderer {} got {} bytes that are no layers of its tiles", renderer_, bytes.size()));
     const auto layer = int(head.region / tiles);
     pieces_.push_back(
         {int(head.region % tiles), g.traversal.ascending ? layer : -layer, bytes.subspan(at, head.bytes)});
@@ -140,9 +138,8 @@ void LayerSum::composite(const Piece& piece, std::span<float> rgba) const {
   for (std::size_t at = 0; at < piece.runs.size(); at += bytes_of(run)) {
     if (!take(piece.runs, at, run) || bytes_of(run) > piece.runs.size() - at ||
         std::uint64_t{run.first} + run.pixels > rgba.size() / 4)
-      throw RunError(
-          fmt::format("Renderer {} got a layer of tile {} that is cut short", renderer_, piece.tile),
-          "all ranks must run the same build");
+      throw OtherBuild(
+          fmt::format("Renderer {} got a layer of tile {} that is cut short", renderer_, piece.tile));
     const std::byte* from = piece.runs.data() + at;
     float* to = rgba.data() + std::size_t{4} * run.first;
     for (std::uint32_t k = 0; k < run.pixels; ++k, to += 4, from += halves * sizeof(std::uint16_t)) {

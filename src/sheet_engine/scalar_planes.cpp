@@ -7,8 +7,8 @@
 #include <iterator>
 #include <numeric>
 
+#include "base/byte_stream.hpp"
 #include "base/process.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
@@ -114,7 +114,7 @@ const std::uint8_t* ScalarPlanes::labels(int step) const {
 /// Frees what is needed no more.
 void ScalarPlanes::use_shelf(const ShelfNumber& number) {
   if (shelf_ == number) return;
-  if (shelf_) throw RunError("GPs disagree on what a Renderer keeps", "all ranks must run the same build");
+  if (shelf_) throw OtherBuild("GPs disagree on what a Renderer keeps");
   shelf_ = number;
   for (std::size_t k = 0; k < shelves_.size(); ++k)
     if ((number.live >> k & 1) == 0) empty(shelves_[k]);
@@ -246,9 +246,8 @@ void ScalarPlanes::put_blocks(const PlaneMemory& place, std::uint8_t voxels_are,
       fill(place, block, byte);
     } else if ((byte & block_kept) != 0) {
       if (slot.holds[block] != voxels)
-        throw RunError(fmt::format("block {} of plane {} counts as kept, but was never sent", block,
-                                   payload.header.plane),
-                       "all ranks must run the same build");
+        throw OtherBuild(fmt::format("block {} of plane {} counts as kept, but was never sent", block,
+                                     payload.header.plane));
       for_labels(place, block, [](std::span<std::uint8_t> labels) {
         for (std::uint8_t& label : labels) label &= std::uint8_t(~unneeded);
       });
@@ -276,8 +275,7 @@ const std::byte* ScalarPlanes::put_block(const PlaneMemory& place, std::uint32_t
     place_rows(std::integral_constant<int, side>());
   else
     place_rows(across);
-  if (labelled && !code_.labelled)
-    throw RunError("a block has labels in a frame without tints", "all ranks must run the same build");
+  if (labelled && !code_.labelled) throw OtherBuild("a block has labels in a frame without tints");
   for_labels(place, block, [&](std::span<std::uint8_t> labels) {
     if (labelled)
       std::memcpy(labels.data(), from, labels.size()), from += labels.size();

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "engine_parts/frame_engine.hpp"
 #include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
@@ -129,9 +130,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void take_range(const SheetHeader& header) {
     const bool known = std::isfinite(header.low) && std::isfinite(header.high) && header.low <= header.high;
     if (!known && is_whole(geometry().grid.type))
-      throw RunError(fmt::format("Renderer {} was told that the volume's values lie between {} and {}",
-                                 renderer_, header.low, header.high),
-                     "all ranks must run the same build");
+      throw OtherBuild(fmt::format("Renderer {} was told that the volume's values lie between {} and {}",
+                                   renderer_, header.low, header.high));
     const std::pair told{header.low, header.high};
     if (ready_ && told == range_) return;
     range_ = told;

@@ -5,15 +5,14 @@
 #include <algorithm>
 
 #include "base/byte_stream.hpp"
-#include "ringsplat/base/error.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 #include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
 namespace {
 
-RunError no_payload(const std::string& what) {
-  return RunError(fmt::format("a slice's payload {}", what), "all ranks must run the same build");
+OtherBuild no_payload(const std::string& what) {
+  return OtherBuild(fmt::format("a slice's payload {}", what));
 }
 
 }  // namespace

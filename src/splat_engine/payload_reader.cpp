@@ -10,7 +10,6 @@
 
 #include "base/byte_stream.hpp"
 #include "frame/frame_geometry.hpp"
-#include "ringsplat/base/error.hpp"
 #include "splat/aligned_slice.hpp"
 #include "splat/splat_sum.hpp"
 #include "splat/voxel_run.hpp"
@@ -32,8 +31,7 @@ class GroupReader : public PayloadReader {
       const int last = parts.empty() ? -1 : parts.back().region;
       if (!take(body, at, group) || group.region < last + int(one_group) || !owned(group.region) ||
           !pass_group(group, body, at))
-        throw RunError(fmt::format("a payload of {} bytes is not understood at byte {}", body.size(), at),
-                       "all ranks must run the same build");
+        throw OtherBuild(fmt::format("a payload of {} bytes is not understood at byte {}", body.size(), at));
       if (group.region != last) parts.push_back({group.region, body.subspan(begin, 0)});
       PayloadPart& part = parts.back();
       part.bytes = {part.bytes.data(), part.bytes.size() + (at - begin)};
