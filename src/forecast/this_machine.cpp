@@ -30,12 +30,7 @@ double thread_seconds() {
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-Grid small_grid() {
-  Grid grid;
-  grid.dims = glm::ivec3(96);
-  grid.type = ScalarType::uint8;
-  return grid;
-}
+Grid small_grid() { return {.dims = glm::ivec3(96), .type = ScalarType::uint8}; }
 
 const TransferFunctionChoice& ramp() {
   static const TransferFunctionChoice choice("grey");
@@ -79,9 +74,7 @@ Spent measured(FrameSpec frame) {
         const NodeStats sum = result.stats.total();
         calmest = {share * sum.computing, share * (sum.drawing + sum.compositing + sum.delivering)};
       }};
-  ProtocolOptions protocol;
-  protocol.frames_in_flight = 1;
-  render_frames(std::move(scene), layout, protocol, director, wiring);
+  render_frames(std::move(scene), layout, {.frames_in_flight = 1}, director, wiring);
   return calmest;
 }
 
