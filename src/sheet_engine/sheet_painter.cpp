@@ -204,13 +204,10 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   /// The one that the frame uses.
   void fill_table() {
     const TransferFunction& tf = frame_->shown.transfer_function;
-    if (frame_->nearest()) {
-      values_.set_function(tf, scale_.low, scale_.high, is_whole(geometry().grid.type));
-      values_.set_length(slab_length());
-    } else {
-      table_.set_function(tf, scale_.low, scale_.high);
-      table_.set_length(slab_length());
-    }
+    if (frame_->nearest())
+      values_.make(tf, scale_.low, scale_.high, is_whole(geometry().grid.type), slab_length());
+    else
+      table_.make(tf, scale_.low, scale_.high, slab_length());
   }
 
   /// Room for the slice of `step`: while there is none, paints some of what can be painted without it.

@@ -82,20 +82,18 @@ std::vector<int> steepness(const std::vector<double>& extinctions, double length
 
 }  // namespace
 
-void SlabTable::set_function(const TransferFunction& transfer_function, double low, double high) {
-  if (axis_ && low == low_ && high == high_ && transfer_function == transfer_function_) return;
-  transfer_function_ = transfer_function;
-  low_ = low;
-  high_ = high;
-  length_ = 0;
-  axis_.emplace(transfer_function_, low, high);
-  curve_ = integrate(transfer_function_, *axis_);
-  depths_.clear();
-  if (axis_->coarse) depths_ = depths_of(transfer_function_, curve_, jump_nudge(*axis_));
-}
-
-void SlabTable::set_length(double length) {
-  if (length == length_) return;
+void SlabTable::make(const TransferFunction& transfer_function, double low, double high, double length) {
+  const bool same_curve = axis_ && low == low_ && high == high_ && transfer_function == transfer_function_;
+  if (same_curve && length == length_) return;
+  if (!same_curve) {
+    transfer_function_ = transfer_function;
+    low_ = low;
+    high_ = high;
+    axis_.emplace(transfer_function_, low, high);
+    curve_ = integrate(transfer_function_, *axis_);
+    depths_.clear();
+    if (axis_->coarse) depths_ = depths_of(transfer_function_, curve_, jump_nudge(*axis_));
+  }
   length_ = length;
   constexpr std::size_t size = TableAxis::entries;
   entries_.resize(size * size);
@@ -121,27 +119,24 @@ void SlabTable::set_length(double length) {
   }
 }
 
-void ValueTable::set_function(const TransferFunction& transfer_function, double low, double high,
-                              bool whole_numbers) {
-  if (!samples_.empty() && low == low_ && high == high_ && whole_numbers == whole_numbers_ &&
-      transfer_function == transfer_function_)
-    return;
-  transfer_function_ = transfer_function;
-  low_ = low;
-  high_ = high;
-  whole_numbers_ = whole_numbers;
-  length_ = 0;
-  const double range = high - low, steps = std::floor((whole_numbers ? 1 : fine_steps) / range);
-  steps_a_unit_ = std::min(std::max(1.0, steps), most_steps / range);
-  samples_.clear();
-  for (double step = 0; step <= std::ceil(range * steps_a_unit_); ++step) {
-    const auto sample = transfer_function.evaluate(low + step / steps_a_unit_);
-    samples_.push_back({extinction(sample.opacity), sample.colour});
+void ValueTable::make(const TransferFunction& transfer_function, double low, double high, bool whole_numbers,
+                      double length) {
+  const bool same_samples = !samples_.empty() && low == low_ && high == high_ &&
+                            whole_numbers == whole_numbers_ && transfer_function == transfer_function_;
+  if (same_samples && length == length_) return;
+  if (!same_samples) {
+    transfer_function_ = transfer_function;
+    low_ = low;
+    high_ = high;
+    whole_numbers_ = whole_numbers;
+    const double range = high - low, steps = std::floor((whole_numbers ? 1 : fine_steps) / range);
+    steps_a_unit_ = std::min(std::max(1.0, steps), most_steps / range);
+    samples_.clear();
+    for (double step = 0; step <= std::ceil(range * steps_a_unit_); ++step) {
+      const auto sample = transfer_function.evaluate(low + step / steps_a_unit_);
+      samples_.push_back({extinction(sample.opacity), sample.colour});
+    }
   }
-}
-
-void ValueTable::set_length(double length) {
-  if (length == length_) return;
   length_ = length;
   entries_.resize(samples_.size());
   std::transform(samples_.begin(), samples_.end(), entries_.begin(), [&](const Sample& sample) {

@@ -23,10 +23,8 @@ class SlabTable {
  public:
   static constexpr int steep_reach = 8;
 
-  /// For values low < high. Does nothing when they are as before.
-  void set_function(const TransferFunction& transfer_function, double low, double high);
-  /// For slabs of `length` unit lengths. Call set_function() first.
-  void set_length(double length);
+  /// For values low < high, and slabs of `length` unit lengths. Does nothing when all is as before.
+  void make(const TransferFunction& transfer_function, double low, double high, double length);
 
   /// The optical depth of a unit length times entries, from the axis' lowest value on: at share t of the way
   /// from a node to the next whole + rest + t (slope + t bend). `whole` has few digits, so that differences
@@ -68,10 +66,9 @@ class ValueTable {
   static constexpr double most_steps = 65535,
                           fine_steps = 4095;  ///< `fine_steps`: of values between whole numbers
 
-  /// For values low < high. Does nothing when all is as before.
-  void set_function(const TransferFunction& transfer_function, double low, double high, bool whole_numbers);
-  /// For slabs of `length` unit lengths. Call set_function() first.
-  void set_length(double length);
+  /// As SlabTable::make().
+  void make(const TransferFunction& transfer_function, double low, double high, bool whole_numbers,
+            double length);
 
   double low() const { return low_; }
   double steps_a_unit() const { return steps_a_unit_; }

@@ -70,8 +70,7 @@ TEST_CASE("a block counts as transparent up to a millionth before an end that is
 TEST_CASE("entries are the slabs that many small pieces make") {
   const TransferFunction tf = steep();
   SlabTable table;
-  table.set_function(tf, 0, 100);
-  table.set_length(0.6);
+  table.make(tf, 0, 100, 0.6);
   const TableAxis& axis = table.axis();
   for (int front = 0; front < TableAxis::entries; front += 17)
     for (int back = 3; back < TableAxis::entries; back += 23) {
@@ -90,14 +89,12 @@ TEST_CASE("entries are the slabs that many small pieces make") {
 
 TEST_CASE("every vector instruction set fills the same table") {
   SlabTable best;
-  best.set_function(steep(), 0, 100);
-  best.set_length(0.7);
+  best.make(steep(), 0, 100, 0.7);
   for (const std::string& target : vector_targets()) {
     INFO(target);
     use_vector_target(target);
     SlabTable table;
-    table.set_function(steep(), 0, 100);
-    table.set_length(0.7);
+    table.make(steep(), 0, 100, 0.7);
     use_vector_target("");
     CHECK(std::equal(best.entries(), best.entries() + TableAxis::entries * TableAxis::entries,
                      table.entries()));
@@ -151,7 +148,7 @@ TEST_CASE("of whole numbers that count as transparent interpolation makes nothin
   frame.transparent = TransparentValues(steep());
   frame.geometry.grid.type = ScalarType::uint8;
   SlabTable table;
-  table.set_function(steep(), 0, 100);
+  table.make(steep(), 0, 100, 1);
   const ValueScale scale = value_scale(frame, 0, 100);
   const PlaceMap map = place_map(frame, scale, table.axis());
   REQUIRE(map.gap_count == 1);
