@@ -59,8 +59,7 @@ void leave_out_same_colours(std::vector<ChannelNotes>& channels) {
 }  // namespace
 
 std::vector<DrawnChannel> find_channels(VolumeOptions volume, const std::string& wanted) {
-  std::vector<std::string> words;
-  for (const auto word : split(wanted, ",")) words.push_back(detail::trimmed(std::string(word)));
+  auto words = detail::mapped(split(wanted, ","), detail::trimmed);
   const auto open = [&](const std::string& word) {
     volume.choice.channel = word.substr(0, word.find('='));
     return open_volume(volume)->notes();

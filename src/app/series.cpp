@@ -151,8 +151,7 @@ std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::opt
     if (!pattern) entries = volumes_in_file(volume, *frames);
     for (const auto& [number, file] : pattern ? files_of_pattern(volume.path) : Numbered())
       entries.push_back({number, file, volume.choice.frame, base_name(file)});
-    std::vector<int> numbers;
-    for (const SeriesEntry& entry : entries) numbers.push_back(entry.number);
+    const auto numbers = detail::mapped(entries, &SeriesEntry::number);
     const auto chosen = chosen_frames(*frames, numbers, printable(volume.path));
     std::erase_if(
         entries, [&](const SeriesEntry& entry) { return !std::ranges::binary_search(chosen, entry.number); });

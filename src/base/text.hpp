@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 #include <system_error>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -25,6 +26,14 @@ std::string joined(const Range& elements, std::string_view between = ", ", const
   std::string list;
   for (const auto& element : elements)
     list += fmt::format("{}{}", list.empty() ? "" : between, std::invoke(part, element));
+  return list;
+}
+
+/// Of each element the part that is named, or what a function makes of it.
+template <class Range, class Part>
+auto mapped(Range&& elements, const Part& part) {
+  std::vector<std::decay_t<decltype(std::invoke(part, *std::begin(elements)))>> list;
+  for (auto&& element : elements) list.push_back(std::invoke(part, element));
   return list;
 }
 
@@ -66,10 +75,10 @@ inline std::vector<std::string_view> split(std::string_view text, std::string_vi
 inline std::string one_line(const std::string& text) { return joined(words_of(text), " "); }
 
 /// The text without blanks at the ends.
-inline std::string trimmed(const std::string& text) {
+inline std::string trimmed(std::string_view text) {
   constexpr const char* blanks = " \t\n\v\f\r";
   const std::size_t begin = std::min(text.find_first_not_of(blanks), text.size());
-  return text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
+  return std::string(text.substr(begin, text.find_last_not_of(blanks) + 1 - begin));
 }
 
 /// Parses the whole text as a number; nothing when it is none, has more behind it or does not fit into T.

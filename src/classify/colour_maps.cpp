@@ -116,11 +116,7 @@ ColourMap made(const Table& table) {
 
 }  // namespace
 
-std::vector<PresetName> colour_map_names() {
-  std::vector<PresetName> names;
-  for (const Table& table : tables()) names.push_back(table.name);
-  return names;
-}
+std::vector<PresetName> colour_map_names() { return detail::mapped(tables(), &Table::name); }
 
 ColourMap colour_map(const std::string& name) {
   std::string wanted = plain_name(name);

@@ -85,8 +85,7 @@ constexpr const char* automatic = "auto";
 }  // namespace
 
 std::vector<PresetName> preset_names() {
-  std::vector<PresetName> names;
-  for (const auto& table : tables()) names.push_back(table.name);
+  auto names = detail::mapped(tables(), &PresetTable::name);
   names.push_back({automatic,
                    "chosen by the values: CT, labels, both signs, many decades; else background clear, rare "
                    "values dense"});

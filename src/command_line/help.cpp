@@ -122,8 +122,7 @@ std::string example(const std::string& lines) { return ".PP\n.nf\n" + roff(lines
 
 /// "-o, --output FILE [default]".
 std::string usage_of(const Option& option) {
-  std::vector<std::string> names;
-  for (const auto& name : option.names) names.push_back(bold(name));
+  auto names = detail::mapped(option.names, bold);
   if (!option.form.empty()) names.back().append(" ").append(italic(option.form));
   std::string usage = option.is_positional() ? italic(option.form) : joined(names, ", ");
   if (!option.fallback.empty()) usage += " [" + roff(option.fallback) + "]";

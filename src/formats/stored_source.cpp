@@ -7,6 +7,7 @@
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"
 #include "base/printable.hpp"
+#include "base/text.hpp"
 #include "formats/limits.hpp"
 #include "formats/signatures.hpp"
 #include "formats/volume_files.hpp"
@@ -30,7 +31,7 @@ class StoredSource final : public VolumeSource {
   StoredSource(const Grid& grid, std::vector<StoredVoxels> pieces)
       : grid_(grid),
         pieces_(std::move(pieces)),
-        files_(files_of(pieces_)),
+        files_(mapped(pieces_, &StoredVoxels::file)),
         piece_bytes_(std::uint64_t(grid.voxels()) / pieces_.size() * size_of(pieces_[0].type)) {
     for (std::size_t number = 0; number < pieces_.size(); ++number) open(number);
   }

@@ -10,6 +10,7 @@
 #include <map>
 
 #include "base/fingerprint.hpp"
+#include "base/text.hpp"
 #include "formats/limits.hpp"
 
 namespace ringsplat::detail {
@@ -62,7 +63,7 @@ void require_full(const Grid& grid, const std::vector<VolumePiece>& pieces, cons
 class PiecedSource final : public LayeredSource {
  public:
   PiecedSource(const Grid& grid, std::vector<VolumePiece> pieces, bool concurrent)
-      : LayeredSource(grid, files_of(pieces), {{"encoding", "pieces"}}, concurrent),
+      : LayeredSource(grid, mapped(pieces, &VolumePiece::file), {{"encoding", "pieces"}}, concurrent),
         pieces_(std::move(pieces)) {}
 
  private:

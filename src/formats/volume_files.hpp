@@ -15,14 +15,6 @@
 
 namespace ringsplat::detail {
 
-/// The paths of what lies in files, in that order.
-template <class Pieces>
-std::vector<std::filesystem::path> files_of(const Pieces& pieces) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& piece : pieces) files.push_back(piece.file);
-  return files;
-}
-
 /// `count` names, in which the numbers `first`, `first` + `step`, ... stand for the "%d" or "%03d" of a
 /// pattern; none when it is no such pattern. Headers come from anywhere: nothing else may follow a percent
 /// sign.

@@ -149,9 +149,7 @@ using Choices = std::vector<std::pair<std::string, T>>;
 /// Values by their names.
 template <class T>
 Choices<T> named(std::initializer_list<T> values) {
-  Choices<T> choices;
-  for (const T value : values) choices.emplace_back(name(value), value);
-  return choices;
+  return detail::mapped(values, [](T value) { return std::pair<std::string, T>(name(value), value); });
 }
 
 /// Throws InputError that lists the words.

@@ -168,9 +168,7 @@ ShownLabels parse_mask(const std::string& text, const std::string& option) {
 }
 
 std::vector<std::string> colour_names() {
-  std::vector<std::string> names;
-  for (const auto& [name, rgb] : named_colours) names.emplace_back(name);
-  return names;
+  return detail::mapped(named_colours, [](const auto& colour) { return std::string(colour.first); });
 }
 
 std::optional<glm::dvec3> parse_colour(const std::string& text, const std::string& option) {
@@ -298,7 +296,7 @@ bool take_number(const std::string& text, std::optional<double>& number) {
 Part parse_part(std::string_view given, const std::string& option, Axis axis) {
   Part part;
   part.text = printable(given);
-  std::string text = detail::trimmed(std::string(given));
+  std::string text = detail::trimmed(given);
   part.distances = take_unit(text);
   if (detail::trimmed(text).empty() && !part.distances) return part;
   const auto colon = text.find(':');
@@ -360,10 +358,10 @@ std::pair<BoxOf, Axis> parse_slice(const std::string& text, const std::string& o
   ClipText clip;
   clip.option = option;
   const auto words = split(text, "=");
-  const std::string letter = words.empty() ? "" : detail::trimmed(std::string(words.front()));
+  const std::string letter = words.empty() ? "" : detail::trimmed(words.front());
   for (const Axis axis : all_axes) {
     if (words.size() != 2 || letter != std::string(1, name(axis))) continue;
-    std::string place = detail::trimmed(std::string(words.back()));
+    std::string place = detail::trimmed(words.back());
     Part& part = clip.parts[std::size_t(axis)];
     part.text = printable(place);
     part.slice = true;

@@ -47,8 +47,7 @@ TransferFunctionChoice::TransferFunctionChoice(const std::string& text, const Co
     : colour_(colour) {
   if (!colour_.colours.empty()) map_ = colour_map(colour_.colours);
   if (colour_.tint) map_ = map_to(*colour_.tint, colour_.mode);
-  std::vector<std::string> presets;
-  for (const auto& one : preset_names()) presets.push_back(one.name);
+  const auto presets = detail::mapped(preset_names(), &PresetName::name);
   if (std::find(presets.begin(), presets.end(), text) != presets.end()) {
     preset_ = text;
     return;

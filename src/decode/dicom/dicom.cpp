@@ -8,6 +8,7 @@
 
 #include "base/log.hpp"
 #include "base/printable.hpp"
+#include "base/text.hpp"
 #include "decode/dicom/image.hpp"
 #include "decode/dicom/planes.hpp"
 #include "decode/dicom/series.hpp"
@@ -54,9 +55,7 @@ class DicomSource final : public LayeredSource {
   }
   static std::vector<std::filesystem::path> files_of(const std::vector<DicomFrame>& images,
                                                      const std::vector<DicomSlice>& slices) {
-    std::vector<std::filesystem::path> files;
-    for (const DicomSlice& slice : slices) files.push_back(images[file_of(images, slice.image)].file);
-    return files;
+    return mapped(slices, [&](const auto& slice) { return images[file_of(images, slice.image)].file; });
   }
 
   void read_layer(int z, int, std::span<std::byte> out) override {
@@ -143,8 +142,7 @@ std::unique_ptr<VolumeSource> open_series(const DicomSeries& series, const Volum
   Grid grid = images.front().grid;
   for (const auto& image : images)
     if (image.grid.type != grid.type) grid.type = ScalarType::float32;
-  std::vector<DicomPlane> planes;
-  for (const auto& image : images) planes.push_back(image.plane);
+  const auto planes = mapped(images, [](const auto& image) { return image.plane; });
   const auto name_of = [&](std::size_t i) { return images[i].file.filename().string(); };
   auto stack = stack_planes(planes, choice.frame, where.string(), name_of, grid);
   times = stack.frames;

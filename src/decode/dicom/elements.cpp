@@ -266,10 +266,9 @@ std::vector<double> DicomItem::numbers(DicomTag tag) const {
   if (vr == "US") return binary(std::uint16_t{});
   if (vr == "UL") return binary(std::uint32_t{});
   if (vr == "FD") return binary(double{});
-  std::vector<double> numbers;
-  for (const auto part : split(value, "\\"))
-    numbers.push_back(finite(number_in<double>(trimmed(std::string(part))).value_or(NAN)));
-  return numbers;
+  return mapped(split(value, "\\"), [&](std::string_view part) {
+    return finite(number_in<double>(trimmed(part)).value_or(NAN));
+  });
 }
 
 DicomEntry dicom_entry(DicomTag tag) {

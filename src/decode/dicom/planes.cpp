@@ -57,8 +57,7 @@ struct Placing {
 /// The images at each place, places in ascending order along the normal, images in that of their times.
 std::vector<Images> images_by_place(const std::vector<DicomPlane>& planes, const Grid& grid) {
   const auto normal = glm::normalize(glm::cross(grid.direction[0], grid.direction[1]));
-  std::vector<double> heights;
-  for (const auto& plane : planes) heights.push_back(glm::dot(normal, plane.position));
+  const auto heights = mapped(planes, [&](const auto& plane) { return glm::dot(normal, plane.position); });
   Images order(planes.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return heights[a] < heights[b]; });

@@ -160,9 +160,7 @@ std::vector<DicomSeries> find_series(const fs::path& folder, bool deep) {
                                  problems.size(), problems.front().what()));
   tell(problems, folder);
   if (copies > 0) log_warning_once("{}: {} files are copies of others and left out", folder.string(), copies);
-  std::vector<DicomSeries> found;
-  for (auto& [uid, one] : series) found.push_back(std::move(one));
-  return found;
+  return mapped(series, [](auto& one) { return std::move(one.second); });
 }
 
 std::vector<DicomSeries> find_series_of(const fs::path& file) {
@@ -175,9 +173,7 @@ std::vector<DicomSeries> find_series_of(const fs::path& file) {
 }
 
 std::vector<std::string> describe(const std::vector<DicomSeries>& series) {
-  std::vector<std::string> lines;
-  for (const auto& one : series) lines.push_back(describe(one, series));
-  return lines;
+  return mapped(series, [&](const auto& one) { return describe(one, series); });
 }
 
 const DicomSeries& choose_series(const std::vector<DicomSeries>& series, const std::string& wanted,

@@ -25,7 +25,7 @@ namespace {
 class TiffSource final : public LayeredSource {
  public:
   TiffSource(const Grid& grid, std::vector<TiffSlice> slices, int samples)
-      : LayeredSource(grid, files_of(slices), {{"encoding", "TIFF"}}),
+      : LayeredSource(grid, mapped(slices, &TiffSlice::file), {{"encoding", "TIFF"}}),
         slices_(std::move(slices)),
         samples_(samples) {}
 

@@ -45,12 +45,11 @@ class Lines {
   }
   template <class T = int>
   std::vector<T> numbers(const char* what, std::size_t count, T most = std::numeric_limits<T>::max()) {
-    std::vector<T> list;
-    for (const auto& word : words_of(bare(next(what)))) {
+    auto list = mapped(words_of(bare(next(what))), [&](const std::string& word) {
       const auto number = number_in<T>(word);
       if (!number || !(*number >= -most && *number <= most)) fail(what);
-      list.push_back(*number);
-    }
+      return *number;
+    });
     if (list.size() != count) fail(what);
     return list;
   }

@@ -140,12 +140,11 @@ class MetaReader {
   /// Reads as many numbers as the volume has dimensions, or the square of that.
   template <class T>
   std::vector<T> numbers(const std::string& key, const std::string& text, std::size_t count) const {
-    std::vector<T> list;
-    for (const auto& word : words_of(text)) {
+    auto list = mapped(words_of(text), [&](const std::string& word) {
       const auto number = number_in<T>(word);
       if (!number) refuse(file_.path(), "correct the header", "{}: '{}' is not a number", key, excerpt(word));
-      list.push_back(*number);
-    }
+      return *number;
+    });
     if (list.size() != count)
       refuse(file_.path(), "correct the header", "{} has {} numbers, {} are needed", key, list.size(), count);
     return list;

@@ -119,13 +119,12 @@ std::string text_of(const std::vector<std::int64_t>& shape) { return fmt::format
 Axes axes_of(const NpyHeader& header, const std::filesystem::path& path) {
   constexpr const char* order = "axes are [z][y][x], [frame][z][y][x] or [z][y][x][1 to 4 components]";
   constexpr std::int64_t most_components = 4;
-  std::vector<int> sizes;
-  for (const auto size : header.shape) {
+  auto sizes = mapped(header.shape, [&](std::int64_t size) {
     if (size < 1 || size > std::numeric_limits<int>::max())
       refuse(path, "every axis must have a size from 1 to 2^31 - 1", "its array has the shape {}",
              text_of(header.shape));
-    sizes.push_back(int(size));
-  }
+    return int(size);
+  });
   if (sizes.size() < 2 || sizes.size() > 5)
     refuse(path, order, "its array has the shape {}", text_of(header.shape));
   Axes axes;

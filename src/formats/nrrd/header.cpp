@@ -84,13 +84,7 @@ class NrrdFields {
   }
   /// One number an axis, NaN where there is none; none when the field is missing.
   std::vector<double> numbers_of_axes(const std::string& field, std::size_t axes) const {
-    std::vector<double> numbers;
-    for (const auto& word : words_of_axes(field, axes)) {
-      const auto number = number_in<double>(lower_case(word));
-      if (!number || std::isinf(*number)) fail(field);
-      numbers.push_back(*number);
-    }
-    return numbers;
+    return mapped(words_of_axes(field, axes), [&](const auto& word) { return number(word, field); });
   }
   /// The vectors "(1,2,3)" of as many finite numbers, empty ones for "none"; none when the field is missing.
   std::vector<std::vector<double>> vectors(const std::string& field, int axes_of_space) const {
@@ -134,13 +128,15 @@ class NrrdFields {
       fail_nrrd(path_, fmt::format("'{}' is given twice", excerpt(line.substr(0, colon))));
   }
 
+  /// NaN where there is none.
+  double number(const std::string& word, const std::string& field) const {
+    const auto number = number_in<double>(lower_case(word));
+    if (!number || std::isinf(*number)) fail(field);
+    return *number;
+  }
+
   std::vector<double> vector_in(std::string_view text, const std::string& field, int axes_of_space) const {
-    std::vector<double> vector;
-    for (const auto part : split(text, ",")) {
-      const auto number = number_in<double>(lower_case(trimmed(std::string(part))));
-      if (!number || std::isinf(*number)) fail(field);
-      vector.push_back(*number);
-    }
+    auto vector = mapped(split(text, ","), [&](auto part) { return number(trimmed(part), field); });
     if (int(vector.size()) != axes_of_space) fail(field);
     const auto missing = std::count_if(vector.begin(), vector.end(), [](double v) { return std::isnan(v); });
     if (missing == axes_of_space) return {};

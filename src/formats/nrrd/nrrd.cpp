@@ -117,8 +117,7 @@ Layout layout_of(const NrrdHeader& header) {
   Layout layout;
   layout.grid.type = header.type;
   layout.grid.dims = glm::ivec3(1);
-  std::vector<const NrrdAxis*> axes;
-  for (const auto i : lattice) axes.push_back(&header.axes[i]);
+  const auto axes = mapped(lattice, [&](std::size_t i) { return &header.axes[i]; });
   place(header, axes, layout.grid);
   check_lattice(layout.grid, header.path.string());
   if (lattice.front() == 1) {
@@ -196,9 +195,7 @@ std::vector<std::filesystem::path> data_files_of(const NrrdHeader& header) {
     const auto piece = trimmed(value.substr(4));
     require_count(header, names.size(), piece.empty() ? std::nullopt : std::optional(piece));
   }
-  std::vector<std::filesystem::path> files;
-  for (const auto& name : names) files.push_back(header.path.parent_path() / name);
-  return files;
+  return mapped(names, [&](const auto& name) { return header.path.parent_path() / name; });
 }
 
 /// The byte of a file behind the skipped lines and, unless it is compressed, behind the skipped bytes.
@@ -263,10 +260,9 @@ std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path, const
   if (layout.leading > 1 || layout.volumes > 1) {
     source = source_of(header, layout, files, choice);
   } else {
-    std::vector<StoredVoxels> pieces;
-    for (const auto& file : files)
-      pieces.push_back(stored_in(header, file, layout.grid.bytes() / files.size()));
-    source = stored_source(layout.grid, std::move(pieces));
+    const auto bytes = layout.grid.bytes() / files.size();
+    source = stored_source(layout.grid,
+                           mapped(files, [&](const auto& file) { return stored_in(header, file, bytes); }));
   }
   VolumeNotes notes{.frames = layout.frames, .channels = layout.channels};
   if (header.patient) {

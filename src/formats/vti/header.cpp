@@ -90,12 +90,11 @@ class Parser : XmlReader {
   std::vector<T> numbers(const Attributes& attributes, const std::string& key, std::size_t count) const {
     const auto found = attributes.find(key);
     if (found == attributes.end()) return {};
-    std::vector<T> list;
-    for (const auto& word : words_of(found->second)) {
+    auto list = mapped(words_of(found->second), [&](const std::string& word) {
       const auto number = number_in<T>(word);
       if (!number) fail(fmt::format("{} has '{}', line {}", key, excerpt(word), line()));
-      list.push_back(*number);
-    }
+      return *number;
+    });
     if (list.size() != count)
       fail(fmt::format("{} has {} numbers, {} are needed, line {}", key, list.size(), count, line()));
     return list;

@@ -164,23 +164,14 @@ std::optional<Node> node_at(const std::filesystem::path& folder) {
   return {};
 }
 
-Json list_in(const Json& json, const char* name) { return json.value(name, Json::array()); }
-
-std::string text_in(const Json& json, const char* name) {
-  const auto text = json.value(name, Json());
-  return text.is_string() ? text.get<std::string>() : std::string();
-}
-
 Sizes sizes_in(const Node& node, const Json& list, int least) {
-  Sizes sizes;
   auto given = list.get<std::vector<double>>();
   if (node.n5) std::ranges::reverse(given);
-  for (const double size : given) {
+  return mapped(given, [&](double size) {
     if (!(size >= least && size <= std::numeric_limits<int>::max() && size == std::trunc(size)))
       node.fail("{} is no size", size);
-    sizes.push_back(std::int64_t(size));
-  }
-  return sizes;
+    return std::int64_t(size);
+  });
 }
 
 Array array_of(const Node& node) {

@@ -52,9 +52,13 @@ struct Array {
 /// Nothing where the folder is neither.
 std::optional<Node> node_at(const std::filesystem::path& folder);
 /// The list of that name; an empty one where there is none.
-Json list_in(const Json& json, const char* name);
+inline Json list_in(const Json& json, const char* name) { return json.value(name, Json::array()); }
 /// The text of that name; empty where there is none.
-std::string text_in(const Json& json, const char* name);
+inline std::string text_in(const Json& json, const char* name) {
+  const auto text = json.value(name, Json());
+  return text.is_string() ? text.get<std::string>() : std::string();
+}
+
 /// Whole numbers from `least` on, the slowest axis' first. Throws InputError where they are not.
 Sizes sizes_in(const Node& node, const Json& list, int least = 1);
 /// What an array's metadata say. Throws InputError for what is not read, and Json::exception where something

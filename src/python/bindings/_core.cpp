@@ -150,9 +150,8 @@ int run_main(Words words) {
 
 template <class Named>
 std::vector<std::pair<std::string, std::string>> named(const std::vector<Named>& all) {
-  std::vector<std::pair<std::string, std::string>> list;
-  for (const auto& one : all) list.emplace_back(one.name, one.description);
-  return list;
+  return detail::mapped(
+      all, [](const Named& one) { return std::pair<std::string, std::string>(one.name, one.description); });
 }
 
 void bind_pictures(nb::module_& m) {
