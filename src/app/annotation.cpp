@@ -217,10 +217,6 @@ Annotation::Annotation(const Grid& grid, const VolumeNotes& notes,
   static_cast<void>(text_mask("0", 12));
 }
 
-void Annotation::keep_range(const ValueRange& range) {
-  if (!bar_) bar_ = {range.low, range.high};
-}
-
 Overlay Annotation::overlay(const FrameSpec& spec, const ValueRange& range) const {
   const Shown& shown = spec.shown;
   const ViewTransform view = make_view(shown.camera, lattice_frame(grid_), shown.width, shown.height);

@@ -23,7 +23,9 @@ class Annotation {
   Annotation(const Grid& grid, const VolumeNotes& notes, const std::optional<glm::dvec3>& background,
              const std::optional<DataRange>& window = std::nullopt, std::vector<DrawnChannel> channels = {});
   /// The colour bars of all pictures span what is visible of `range`, unless there is a window.
-  void keep_range(const ValueRange& range);
+  void keep_range(const ValueRange& range) {
+    if (!bar_) bar_ = {range.low, range.high};
+  }
   /// Of a frame's picture; `range` is the volume's.
   Overlay overlay(const FrameSpec& spec, const ValueRange& range) const;
 

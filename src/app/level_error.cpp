@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "app/frame_output.hpp"
-#include "app/volume_part.hpp"
 #include "classify/adjust.hpp"
 #include "classify/piecewise.hpp"
 #include "truth/field.hpp"

@@ -12,7 +12,6 @@
 
 #include "app/commands.hpp"
 #include "app/render_job.hpp"
-#include "app/volume_part.hpp"
 #include "base/output_file.hpp"
 #include "formats/zarr/metadata.hpp"
 #include "formats/zarr/write.hpp"

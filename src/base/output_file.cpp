@@ -182,11 +182,6 @@ void OutputFile::write(std::span<const std::byte> bytes) {
   size_ += bytes.size();
 }
 
-void OutputFile::flush_buffer() {
-  put(buffer_);
-  buffer_.clear();
-}
-
 void OutputFile::put(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file_->descriptor(), bytes.data(), bytes.size());

@@ -38,7 +38,10 @@ class OutputFile {
   void commit();
 
  private:
-  void flush_buffer();
+  void flush_buffer() {
+    put(buffer_);
+    buffer_.clear();
+  }
   void put(std::span<const std::byte> bytes);
   [[noreturn]] void fail(int reason) const;
 

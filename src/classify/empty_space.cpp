@@ -22,13 +22,6 @@ SliceRuns::SliceRuns(const BlockRanges& ranges, const TransferFunction& transfer
   }
 }
 
-VisibleVoxels::VisibleVoxels(SliceRuns runs, const Classifier& finder, int width, int height)
-    : runs_(std::move(runs)), finder_(&finder), row_masks_(masks_of(width)) {
-  if (runs_.empty()) return;
-  masks_.assign(std::size_t(height) * row_masks_, 0);
-  found_.assign(std::size_t(height), 0);
-}
-
 std::span<const std::uint64_t> VisibleVoxels::of_row(const SliceView& slice, int row) {
   if (runs_.empty()) return {};
   std::uint64_t* masks = masks_.data() + std::size_t(row) * row_masks_;

@@ -37,7 +37,12 @@ class SliceRuns {
 class VisibleVoxels {
  public:
   /// `finder` must outlive it; how far it corrects opacities does not matter.
-  VisibleVoxels(SliceRuns runs, const Classifier& finder, int width, int height);
+  VisibleVoxels(SliceRuns runs, const Classifier& finder, int width, int height)
+      : runs_(std::move(runs)), finder_(&finder), row_masks_(masks_of(width)) {
+    if (runs_.empty()) return;
+    masks_.assign(std::size_t(height) * row_masks_, 0);
+    found_.assign(std::size_t(height), 0);
+  }
   const SliceRuns& runs() const { return runs_; }
   /// A row's masks, masks_of(width) of them. `slice` is the one whose runs these are. Several threads may ask
   /// for different rows.

@@ -69,11 +69,6 @@ TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice
   return shown.transfer_function;
 }
 
-std::vector<Camera> some_views(const std::vector<Camera>& cameras) {
-  if (cameras.size() < 12) return {cameras.front()};
-  return {cameras.front(), cameras[cameras.size() / 3], cameras[2 * cameras.size() / 3]};
-}
-
 struct Forecast::View {
   FrameSpec spec;
   WorkCosts costs;
@@ -279,10 +274,6 @@ std::vector<Prediction> Forecast::predict_bundles(const std::vector<Layout>& lay
   }
   return *std::find_if(tried.begin(), tried.end(),
                        [&](const auto& all) { return all.front().seconds <= as_fast * least; });
-}
-
-int ranks_with_own_cores(const Machine& machine, int ranks) {
-  return machine.platform.hosts == 1 && shares_cores(machine, ranks) ? machine.platform.cores : 0;
 }
 
 std::string describe(const FrameWork& work) {

@@ -82,7 +82,9 @@ class Forecast {
 
 /// How many ranks have a core of their own where there are too few; 0 where each has one, or where the last
 /// ranks may be all of a host's.
-int ranks_with_own_cores(const Machine& machine, int ranks);
+inline int ranks_with_own_cores(const Machine& machine, int ranks) {
+  return machine.platform.hosts == 1 && shares_cores(machine, ranks) ? machine.platform.cores : 0;
+}
 
 /// This machine, as it would be described: the usual costs (frame/work_estimate.hpp) times what GPs and
 /// Renderers of either method take here for a small ball, and so many hosts with so many cores each. What
@@ -100,7 +102,10 @@ double measure_hop(Transport& transport);
 TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice& choice);
 
 /// The views of a run to foresee: the first, or three evenly spread ones of a long run.
-std::vector<Camera> some_views(const std::vector<Camera>& cameras);
+inline std::vector<Camera> some_views(const std::vector<Camera>& cameras) {
+  if (cameras.size() < 12) return {cameras.front()};
+  return {cameras.front(), cameras[cameras.size() / 3], cameras[2 * cameras.size() / 3]};
+}
 
 class Hosts {
  public:

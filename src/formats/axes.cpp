@@ -88,13 +88,6 @@ void settle_roles(DatasetMeaning& meaning, const std::string& where, const char*
   }
 }
 
-std::array<int, 3> lattice_axes(const std::vector<DatasetAxis>& axes) {
-  std::array<int, 3> lattice{-1, -1, -1};
-  for (int axis = int(axes.size()) - 1, k = 0; axis >= 0; --axis)
-    if (axes[std::size_t(axis)].role == Role::space) lattice[std::size_t(k++)] = axis;
-  return lattice;
-}
-
 Grid lattice_of(const DatasetMeaning& meaning, const std::string& where) {
   const auto lattice = lattice_axes(meaning.axes);
   const auto world = world_axes(lattice, meaning.axes);

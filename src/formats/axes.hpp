@@ -1,5 +1,6 @@
 #pragma once
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -51,7 +52,12 @@ void describe_by_name(DatasetAxis& axis);
 void settle_roles(DatasetMeaning& meaning, const std::string& where, const char* hint);
 
 /// Numbers of the dimensions along x, y, z of the lattice; -1: the volume has one voxel along it.
-std::array<int, 3> lattice_axes(const std::vector<DatasetAxis>& axes);
+inline std::array<int, 3> lattice_axes(const std::vector<DatasetAxis>& axes) {
+  std::array<int, 3> lattice{-1, -1, -1};
+  for (int axis = int(axes.size()) - 1, k = 0; axis >= 0; --axis)
+    if (axes[std::size_t(axis)].role == DatasetAxis::Role::space) lattice[std::size_t(k++)] = axis;
+  return lattice;
+}
 
 /// The volume's lattice; the type is left alone.
 Grid lattice_of(const DatasetMeaning& meaning, const std::string& where);

@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <limits>
 #include <type_traits>
-#include <utility>
 
 #include "base/log.hpp"
-#include "base/text.hpp"
 #include "formats/limits.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
@@ -86,10 +84,6 @@ int chosen_frame(const VolumeChoice& choice, int frames, const std::string& wher
                    fmt::format("frames are numbered from 0 to {}", frames - 1));
 }
 
-bool are_colours(ScalarType type, int components) {
-  return (components == 3 || components == 4) && (type == ScalarType::uint8 || type == ScalarType::uint16);
-}
-
 ChannelChoice choose_channel(const std::string& channel, int components, bool colours,
                              const std::string& where) {
   if (channel.empty()) {
@@ -107,14 +101,6 @@ ChannelChoice choose_channel(const std::string& channel, int components, bool co
     throw InputError(fmt::format("--channel {}: {} has no such channel", channel, where),
                      fmt::format("its channels are {}", names_of(components, colours)));
   return int(index.value_or(0));
-}
-
-std::optional<std::int64_t> find_channel(const std::string& channel, std::int64_t count,
-                                         const std::vector<ChannelNotes>& notes) {
-  for (std::size_t c = 0; c < notes.size() && std::int64_t(c) < count; ++c)
-    if (lower_case(notes[c].name) == lower_case(channel)) return std::int64_t(c);
-  const auto number = number_in<std::int64_t>(channel);
-  return number && *number >= 0 && *number < count ? number : std::nullopt;
 }
 
 std::int64_t choose_named_channel(const std::string& channel, std::int64_t count,
@@ -156,15 +142,6 @@ std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> inter
                                              int components, ChannelChoice choice) {
   if (components == 1) return interleaved;
   return std::make_unique<ChannelSource>(std::move(interleaved), grid, components, choice);
-}
-
-std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
-                                             int components, const std::string& channel,
-                                             const std::string& where) {
-  if (components == 1) return interleaved;
-  const bool colours = are_colours(grid.type, components);
-  return channel_source(std::move(interleaved), grid, components,
-                        choose_channel(channel, components, colours, where));
 }
 
 }  // namespace ringsplat::detail

@@ -5,8 +5,10 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "base/text.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "ringsplat/volume/source.hpp"
 
@@ -21,7 +23,9 @@ int chosen_frame(const VolumeChoice& choice, int frames, const std::string& wher
                  const char* things = "volumes");
 
 /// Three or four unsigned numbers of 8 or 16 bits are red, green, blue and alpha; other vectors are not.
-bool are_colours(ScalarType type, int components);
+inline bool are_colours(ScalarType type, int components) {
+  return (components == 3 || components == 4) && (type == ScalarType::uint8 || type == ScalarType::uint16);
+}
 
 /// What `channel` (VolumeChoice's: a number, or r, g, b, a) takes of a voxel's `components` numbers. Without
 /// it colours become their luminance, of which a warning tells. Throws InputError for no such channel, and
@@ -31,8 +35,13 @@ ChannelChoice choose_channel(const std::string& channel, int components, bool co
 
 /// Of `count` channels the one with this name, in letters of any case, or else this number; nothing when
 /// there is none. `notes`: some may be missing at the end.
-std::optional<std::int64_t> find_channel(const std::string& channel, std::int64_t count,
-                                         const std::vector<ChannelNotes>& notes);
+inline std::optional<std::int64_t> find_channel(const std::string& channel, std::int64_t count,
+                                                const std::vector<ChannelNotes>& notes) {
+  for (std::size_t c = 0; c < notes.size() && std::int64_t(c) < count; ++c)
+    if (lower_case(notes[c].name) == lower_case(channel)) return std::int64_t(c);
+  const auto number = number_in<std::int64_t>(channel);
+  return number && *number >= 0 && *number < count ? number : std::nullopt;
+}
 
 /// The same for channels that lie apart; without a choice the first, of which a warning tells. Throws
 /// InputError for no such channel.
@@ -54,8 +63,13 @@ std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> inter
                                              int components, ChannelChoice choice);
 
 /// The same by choose_channel() and are_colours().
-std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
-                                             int components, const std::string& channel,
-                                             const std::string& where);
+inline std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved,
+                                                    const Grid& grid, int components,
+                                                    const std::string& channel, const std::string& where) {
+  if (components == 1) return interleaved;
+  const bool colours = are_colours(grid.type, components);
+  return channel_source(std::move(interleaved), grid, components,
+                        choose_channel(channel, components, colours, where));
+}
 
 }  // namespace ringsplat::detail

@@ -9,7 +9,6 @@
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "formats/limits.hpp"
-#include "formats/signatures.hpp"
 #include "formats/volume_files.hpp"
 #include "volume/scalars.hpp"
 
@@ -173,10 +172,6 @@ void StoredVoxels::choose(std::uint64_t bytes, std::int64_t count, std::int64_t 
 void StoredVoxels::read_head(std::span<std::byte> head) const {
   const InputFile input(file);
   encoded_bytes(input, encoding, 0, input.size())->read(0, head);
-}
-
-StoredVoxels stored_in(const std::filesystem::path& file) {
-  return {.file = file, .encoding = is_gzip(file) ? Encoding::deflate : Encoding::raw};
 }
 
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/encoded_bytes.hpp"
+#include "formats/signatures.hpp"
 #include "ringsplat/volume/source.hpp"
 
 namespace ringsplat::detail {
@@ -63,7 +64,9 @@ struct StoredVoxels {
 };
 
 /// Voxels of a file that gzip may have compressed.
-StoredVoxels stored_in(const std::filesystem::path& file);
+inline StoredVoxels stored_in(const std::filesystem::path& file) {
+  return {.file = file, .encoding = is_gzip(file) ? Encoding::deflate : Encoding::raw};
+}
 
 /// A volume that one file holds, or several behind each other, equally many voxels in each: whole slices,
 /// whole rows of one slice, or a part of a row. Reads uncompressed slices by position (concurrent); decodes

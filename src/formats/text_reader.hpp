@@ -1,7 +1,10 @@
 #pragma once
+#include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -28,12 +31,42 @@ class TextReader {
 
   /// The next line without its end, which is "\n", "\r\n" or "\r"; nothing at the end. The rest of a line
   /// that is longer than a MiB is left out.
-  std::optional<std::string> line();
+  std::optional<std::string> line() {
+    constexpr std::size_t longest = 1 << 20;
+    if (!peek()) return {};
+    std::string line;
+    for (auto c = peek(); c; c = peek()) {
+      advance();
+      if (*c == '\n') break;
+      if (*c == '\r') {
+        if (peek() == '\n') advance();
+        break;
+      }
+      if (line.size() < longest) line += *c;
+    }
+    return line;
+  }
   /// The next word between blanks and commas; empty at the end. A word longer than any number is split.
-  std::string word();
+  std::string word() {
+    constexpr std::size_t longest = 400;
+    std::string word;
+    for (auto c = peek(); c && word.size() < longest; c = peek()) {
+      const bool between = *c == ',' || std::isspace(static_cast<unsigned char>(*c)) != 0;
+      if (between && !word.empty()) break;
+      advance();
+      if (!between) word += *c;
+    }
+    return word;
+  }
 
  private:
-  bool refill();
+  bool refill() {
+    offset_ += got_;
+    at_ = 0;
+    const auto wanted = std::min<std::uint64_t>(window_.size(), end_ - std::min(end_, offset_));
+    got_ = file_.read_some(offset_, std::span(window_).first(std::size_t(wanted)));
+    return got_ > 0;
+  }
 
   const InputFile& file_;
   std::uint64_t offset_, end_;

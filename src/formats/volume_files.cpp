@@ -3,10 +3,8 @@
 #include <fmt/printf.h>
 #include <sys/stat.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <iterator>
 #include <map>
 
 #include "base/fingerprint.hpp"
@@ -164,20 +162,6 @@ void LayeredSource::read_slices(int first, int count, std::span<std::byte> out) 
     }
     z = stop;
   }
-}
-
-Facts LayeredSource::facts() const {
-  Facts facts = encoding_;
-  std::ranges::copy(files_.facts(), std::back_inserter(facts));
-  return facts;
-}
-
-void LayeredSource::set_layer(std::uint64_t slices) {
-  constexpr std::uint64_t most_bytes = std::uint64_t{256} << 20;
-  const auto depth = std::min<std::uint64_t>(slices, std::uint64_t(grid_.dims.z));
-  const std::uint64_t most = std::max<std::uint64_t>(1, most_bytes / grid_.slice_bytes(Axis::z));
-  const std::uint64_t parts = (depth + most - 1) / most;
-  depth_ = int((depth + parts - 1) / parts);
 }
 
 std::unique_ptr<VolumeSource> pieced_source(const Grid& grid, std::vector<VolumePiece> pieces,

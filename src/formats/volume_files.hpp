@@ -1,6 +1,8 @@
 #pragma once
+#include <algorithm>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <span>
 #include <string>
@@ -53,12 +55,22 @@ class LayeredSource : public VolumeSource {
   bool concurrent() const final { return concurrent_; }
   int layer_depth() const final { return depth_; }
   void read_slices(int first, int count, std::span<std::byte> out) final;
-  Facts facts() const final;
+  Facts facts() const final {
+    Facts facts = encoding_;
+    std::ranges::copy(files_.facts(), std::back_inserter(facts));
+    return facts;
+  }
 
  protected:
   /// `slices`: that are decoded together, as of a chunk. Layers of more than 256 MiB are cut into thinner
   /// ones, as even as they can be, which keeps memory bounded and decodes chunks once for each of them.
-  void set_layer(std::uint64_t slices);
+  void set_layer(std::uint64_t slices) {
+    constexpr std::uint64_t most_bytes = std::uint64_t{256} << 20;
+    const auto depth = std::min<std::uint64_t>(slices, std::uint64_t(grid_.dims.z));
+    const std::uint64_t most = std::max<std::uint64_t>(1, most_bytes / grid_.slice_bytes(Axis::z));
+    const std::uint64_t parts = (depth + most - 1) / most;
+    depth_ = int((depth + parts - 1) / parts);
+  }
   /// Throws InputError when a file is no longer what it was when the volume was opened.
   void require_unchanged(const std::filesystem::path& file) const { files_.require_unchanged(file); }
 

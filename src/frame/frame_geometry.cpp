@@ -12,10 +12,6 @@
 
 namespace ringsplat {
 
-LatticeFrame lattice_frame(const Grid& grid) {
-  return {grid.dims, grid.spacing, grid.origin, grid.direction};
-}
-
 namespace {
 
 /// The view of a lattice, from the lattice that begins at its voxel `first`.

@@ -76,7 +76,10 @@ struct FrameGeometry {
 /// of large volumes, as near as positions along rays are exact.
 std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid);
 
-LatticeFrame lattice_frame(const Grid& grid);
+inline LatticeFrame lattice_frame(const Grid& grid) {
+  return {grid.dims, grid.spacing, grid.origin, grid.direction};
+}
+
 /// The axis of the slice set that a frame of the volume traverses. Throws InputError when it can traverse
 /// none, or its clip box is none of the volume's.
 Axis traversed_axis(const FrameSpec& spec, const Grid& grid);

@@ -1,7 +1,5 @@
 #include "frame/work_estimate.hpp"
 
-#include <algorithm>
-#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
@@ -249,25 +247,6 @@ PartWork WorkEstimate::of(const PixelRect& rect) const {
     for (int x = left; x <= right; ++x)
       part.layers |= seen_[std::size_t(y) * std::size_t(columns_) + std::size_t(x)];
   return part;
-}
-
-int WorkEstimate::layer_of(int step) const {
-  return std::clamp(int((slice_of(step) + 0.5) * layer_of_slice_), 0, layers_ - 1);
-}
-
-double WorkEstimate::slice_seconds(int step) const { return slice_seconds_[std::size_t(layer_of(step))]; }
-
-double WorkEstimate::ready_seconds(std::uint64_t layers) const {
-  if (layers == 0) return 0;
-  const int first = traversal_.ascending ? std::countr_zero(layers) : int(std::bit_width(layers)) - 1;
-  return slice_seconds_[std::size_t(first)];
-}
-
-std::vector<double> WorkEstimate::gp_seconds(SliceDealing dealing) const {
-  std::vector<double> seconds(std::size_t(dealing.gps), 0.0);
-  for (int step = 0; step < slices_; ++step)
-    seconds[std::size_t(dealing.owner_of(slice_of(step)))] += slice_seconds(step);
-  return seconds;
 }
 
 }  // namespace ringsplat

@@ -1,5 +1,7 @@
 #pragma once
+#include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <optional>
@@ -87,14 +89,25 @@ class WorkEstimate {
   /// Slices that a layer stands for.
   double slices_of_layer() const { return 1 / layer_of_slice_; }
   /// What each GP spends on its slices.
-  std::vector<double> gp_seconds(SliceDealing dealing) const;
+  std::vector<double> gp_seconds(SliceDealing dealing) const {
+    std::vector<double> seconds(std::size_t(dealing.gps), 0.0);
+    for (int step = 0; step < slices_; ++step)
+      seconds[std::size_t(dealing.owner_of(slice_of(step)))] += slice_seconds(step);
+    return seconds;
+  }
   /// Seconds until the first slice of these layers is encoded: every GP begins with its own first slice.
-  double ready_seconds(std::uint64_t layers) const;
+  double ready_seconds(std::uint64_t layers) const {
+    if (layers == 0) return 0;
+    const int first = traversal_.ascending ? std::countr_zero(layers) : int(std::bit_width(layers)) - 1;
+    return slice_seconds_[std::size_t(first)];
+  }
   /// The volume's slice of a step, and its layer.
   int slice_of(int step) const { return first_slice_ + traversal_.slice_at(step, slices_); }
-  int layer_of(int step) const;
+  int layer_of(int step) const {
+    return std::clamp(int((slice_of(step) + 0.5) * layer_of_slice_), 0, layers_ - 1);
+  }
   /// Seconds of a GP for the slice of a step.
-  double slice_seconds(int step) const;
+  double slice_seconds(int step) const { return slice_seconds_[std::size_t(layer_of(step))]; }
 
  private:
   void make_cells(const FrameGeometry& g, const glm::dvec3& spacing);

@@ -2,9 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <glm/geometric.hpp>
@@ -118,25 +116,6 @@ Patch inked(const Mask& mask, const glm::dvec3& ink, const glm::dvec3& halo, dou
       patch.rgba.push_back(in + around);
     }
   return patch;
-}
-
-Drawing::Drawing(int width, int height, bool dark_ink)
-    : letter_(std::max(10, static_cast<int>(std::lround(std::min(width, height) / 34.0)))),  // or unreadable
-      ink_(dark_ink ? 0.0 : 1.0) {}
-
-void Drawing::text(const std::string& text, const glm::dvec2& place, double across, double size) {
-  Mask mask = text_mask(text, static_cast<int>(std::lround(size * letter_)));
-  mask.x = static_cast<int>(std::lround(place.x - across * mask.width));
-  mask.y = static_cast<int>(std::lround(place.y - 0.5 * mask.height));
-  add(mask, ink_);
-}
-
-void Drawing::line(const glm::dvec2& from, const glm::dvec2& to, const glm::dvec3& ink, double thickness) {
-  add(line_mask(from, to, std::max(1.0, thickness * letter_)), ink);
-}
-
-void Drawing::add(const Mask& mask, const glm::dvec3& ink) {
-  drawn.push_back(inked(mask, ink, 1.0 - ink_, std::max(1.0, 0.1 * letter_)));
 }
 
 void lay_over(const Overlay& overlay, int width, int height, int channels, std::span<std::uint8_t> display) {

@@ -1,4 +1,6 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/vec2.hpp>
@@ -38,21 +40,33 @@ Patch inked(const Mask& mask, const glm::dvec3& ink, const glm::dvec3& halo, dou
 /// Text and lines for one picture, all in sizes that follow from its shorter side.
 class Drawing {
  public:
-  Drawing(int width, int height, bool dark_ink);
+  Drawing(int width, int height, bool dark_ink)
+      : letter_(std::max(readable, static_cast<int>(std::lround(std::min(width, height) / 34.0)))),
+        ink_(dark_ink ? 0.0 : 1.0) {}
 
   /// The nominal height of letters.
   double letter() const { return letter_; }
   glm::dvec3 ink() const { return ink_; }
   /// A text whose middle lies `across` (0: at its left end, 1: at its right one) and at the given height.
-  void text(const std::string& text, const glm::dvec2& place, double across, double size = 1);
+  void text(const std::string& text, const glm::dvec2& place, double across, double size = 1) {
+    Mask mask = text_mask(text, static_cast<int>(std::lround(size * letter_)));
+    mask.x = static_cast<int>(std::lround(place.x - across * mask.width));
+    mask.y = static_cast<int>(std::lround(place.y - 0.5 * mask.height));
+    add(mask, ink_);
+  }
   /// `thickness`: in letters.
-  void line(const glm::dvec2& from, const glm::dvec2& to, const glm::dvec3& ink, double thickness = 0.12);
+  void line(const glm::dvec2& from, const glm::dvec2& to, const glm::dvec3& ink, double thickness = 0.12) {
+    add(line_mask(from, to, std::max(1.0, thickness * letter_)), ink);
+  }
 
   Overlay drawn;
 
  private:
-  void add(const Mask& mask, const glm::dvec3& ink);
+  void add(const Mask& mask, const glm::dvec3& ink) {
+    drawn.push_back(inked(mask, ink, 1.0 - ink_, std::max(1.0, 0.1 * letter_)));
+  }
 
+  static constexpr int readable = 10;  ///< pixels, at least
   int letter_;
   glm::dvec3 ink_;
 };

@@ -37,10 +37,6 @@ std::optional<TokenPlace> token_place(const Header& header) {
   return std::nullopt;
 }
 
-Message::Message(const Header& h, Bytes wire) : header(h), wire_(std::move(wire)) {
-  header.bytes = body_size(wire_);
-}
-
 Header Message::header_of(std::span<const std::byte> block, int from_rank) {
   if (block.size() < sizeof(Header))
     throw RunError(
@@ -62,17 +58,6 @@ Message Message::from_wire(Bytes block, int from_rank) {
                                block.size() - sizeof(Header), h.bytes));
   message.wire_ = std::move(block);
   return message;
-}
-
-std::span<const std::byte> Message::body() const {
-  if (wire_.size() <= sizeof(Header)) return {};
-  return std::span<const std::byte>(wire_).subspan(sizeof(Header));
-}
-
-std::span<const std::byte> Message::seal() {
-  if (wire_.empty()) wire_.resize(sizeof(Header));
-  std::memcpy(wire_.data(), &header, sizeof(Header));
-  return wire_;
 }
 
 }  // namespace ringsplat

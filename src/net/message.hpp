@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "ringsplat/base/bytes.hpp"
@@ -38,7 +39,7 @@ enum class Kind : std::uint8_t {
   credit,        ///< rank → neighbour in a mesh: slots of one of its links to me are free again
   link_query,    ///< rank 0 → every rank, along the tree: a frame is complete; what did your links carry?
   link_report,   ///< rank → frame buffer: the answer
-  drop,   ///< rank 0 → every rank, along the tree: nobody wants the frame any more; end it without its slices
+  drop,  ///< rank 0 → every rank, along the tree: nobody wants the frame any more; end it without its slices
   pixels  ///< Renderer → Renderer, straight in a mesh, too: drawn layers of the receiver's tiles
 };
 inline constexpr std::uint8_t kinds = 14;
@@ -130,7 +131,9 @@ class Message {
   Message() = default;
   explicit Message(const Header& h) : header(h) { header.bytes = 0; }
   /// `wire` must come from body_buffer(): room for the header, then the body.
-  Message(const Header& h, Bytes wire);
+  Message(const Header& h, Bytes wire) : header(h), wire_(std::move(wire)) {
+    header.bytes = body_size(wire_);
+  }
   /// Parses a received block. Throws RunError when it is no message or has another length than it says.
   static Message from_wire(Bytes block, int from_rank);
   /// The header of a received block, whose end may still be missing. Throws RunError when it is no header.
@@ -142,9 +145,16 @@ class Message {
     return wire.size() < sizeof(Header) ? 0 : wire.size() - sizeof(Header);
   }
 
-  std::span<const std::byte> body() const;
+  std::span<const std::byte> body() const {
+    if (wire_.size() <= sizeof(Header)) return {};
+    return std::span<const std::byte>(wire_).subspan(sizeof(Header));
+  }
   /// The block to send; writes the header into it. Valid until the message changes.
-  std::span<const std::byte> seal();
+  std::span<const std::byte> seal() {
+    if (wire_.empty()) wire_.resize(sizeof(Header));
+    std::memcpy(wire_.data(), &header, sizeof(Header));
+    return wire_;
+  }
 
   Header header;
 

@@ -180,16 +180,6 @@ Some::Some(const char* words) {
 
 std::span<const Rule> rules() { return all_rules; }
 
-bool means(const Which& which, const Option& option) {
-  return (which.option.empty() || option.has_name(which.option)) &&
-         (which.heading.empty() || option.heading == which.heading) &&
-         (!which.mark || option.mark == *which.mark);
-}
-
-bool has(const OptionList& list, const Which& which) {
-  return std::any_of(list.begin(), list.end(), [&](const Option& option) { return means(which, option); });
-}
-
 void refuse_contradictions(const OptionList& list) {
   for (const Rule& rule : rules())
     for (const Which& which : rule.options)

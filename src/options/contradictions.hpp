@@ -43,9 +43,16 @@ struct Rule {
 std::span<const Rule> rules();
 
 /// True when `which` means the option, with any value.
-bool means(const Which& which, const Option& option);
+inline bool means(const Which& which, const Option& option) {
+  return (which.option.empty() || option.has_name(which.option)) &&
+         (which.heading.empty() || option.heading == which.heading) &&
+         (!which.mark || option.mark == *which.mark);
+}
+
 /// True when the list has an option that `which` means.
-bool has(const OptionList& list, const Which& which);
+inline bool has(const OptionList& list, const Which& which) {
+  return std::any_of(list.begin(), list.end(), [&](const Option& option) { return means(which, option); });
+}
 
 /// Throws InputError, with the way out as hint, when what is given breaks a rule.
 void refuse_contradictions(const OptionList& list);

@@ -1,6 +1,5 @@
 #include "options/option_list.hpp"
 
-#include <algorithm>
 #include <array>
 
 #include "options/option_values.hpp"
@@ -35,28 +34,12 @@ void refuse_choice(const std::string& option, const std::string& text, const std
   refuse_word(option, text, fmt::format("use {} {}", option, words));
 }
 
-Reader text(std::function<void(const std::string& text, const std::string& option)> take) {
-  return {"TEXT", [take](const Words& words, const std::string& option) { take(words.front(), option); }};
-}
-
 Reader flag(bool& target, bool meaning) {
   const auto read = [&target, meaning](const Words& words, const std::string& option) {
     if (is_set(words.back(), option)) target = meaning;
   };
   return {"", read, 0};
 }
-
-Reader value(std::string& target) {
-  Reader reader = parsed(target, [](const std::string& text, const std::string&) { return text; });
-  reader.initial = target;
-  return reader;
-}
-
-Reader values(std::vector<std::string>& target) {
-  return {"TEXT", [&target](const Words& words, const std::string&) { target = words; }, 1, true};
-}
-
-bool Option::has_name(std::string_view name) const { return std::ranges::find(names, name) != names.end(); }
 
 void OptionList::Below::operator+=(std::initializer_list<OptionRow> rows) {
   for (const OptionRow& row : rows) {
@@ -70,21 +53,6 @@ void OptionList::Below::operator+=(std::initializer_list<OptionRow> rows) {
     for (const auto name : split(row.names, ",")) option.names.emplace_back(name);
     list.push_back(std::move(option));
   }
-}
-
-const Option* OptionList::find(std::string_view name) const {
-  const auto found = std::find_if(begin(), end(), [name](const Option& o) { return o.has_name(name); });
-  return found == end() ? nullptr : &*found;
-}
-
-bool OptionList::is_given(std::string_view name) const {
-  const Option* const option = find(name);
-  return option != nullptr && option->is_given();
-}
-
-void OptionList::read() const {
-  for (const Option& option : *this)
-    if (option.is_given()) option.reader.read(option.given, option.name());
 }
 
 }  // namespace ringsplat::app

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <concepts>
 #include <functional>
 #include <initializer_list>
@@ -58,7 +59,7 @@ struct Option {
 
   /// The long one.
   const std::string& name() const { return names.back(); }
-  bool has_name(std::string_view name) const;
+  bool has_name(std::string_view name) const { return std::ranges::find(names, name) != names.end(); }
   bool is_positional() const { return !name().starts_with('-'); }
   bool is_flag() const { return reader.words == 0; }
   bool is_given() const { return !given.empty(); }
@@ -78,11 +79,20 @@ struct OptionList : std::vector<Option> {
   }
 
   /// The option of this name, or null.
-  const Option* find(std::string_view name) const;
+  const Option* find(std::string_view name) const {
+    const auto found = std::find_if(begin(), end(), [name](const Option& o) { return o.has_name(name); });
+    return found == end() ? nullptr : &*found;
+  }
   /// False when there is no such option, too.
-  bool is_given(std::string_view name) const;
+  bool is_given(std::string_view name) const {
+    const Option* const option = find(name);
+    return option != nullptr && option->is_given();
+  }
   /// Passes what was given to its targets, in the list's order. Throws InputError.
-  void read() const;
+  void read() const {
+    for (const Option& option : *this)
+      if (option.is_given()) option.reader.read(option.given, option.name());
+  }
 };
 
 /// What an optional may hold; of another type the type itself.
@@ -115,13 +125,16 @@ T read_number(const std::string& text, const std::string& option, const Bounds<T
 }
 
 /// One word for `take(text, option)`, which may throw InputError.
-Reader text(std::function<void(const std::string& text, const std::string& option)> take);
+inline Reader text(std::function<void(const std::string& text, const std::string& option)> take) {
+  return {"TEXT", [take](const Words& words, const std::string& option) { take(words.front(), option); }};
+}
+
 /// An option without a value, which gives `target` this one.
 Reader flag(bool& target, bool meaning = true);
-/// A text as it is.
-Reader value(std::string& target);
 /// Texts of an option that may be given several times.
-Reader values(std::vector<std::string>& target);
+inline Reader values(std::vector<std::string>& target) {
+  return {"TEXT", [&target](const Words& words, const std::string&) { target = words; }, 1, true};
+}
 
 /// A number within bounds.
 template <class T>
@@ -140,6 +153,13 @@ template <class Target, class Parse>
 Reader parsed(Target& target, Parse parse) {
   return text(
       [&target, parse](const std::string& word, const std::string& option) { target = parse(word, option); });
+}
+
+/// A text as it is.
+inline Reader value(std::string& target) {
+  Reader reader = parsed(target, [](const std::string& text, const std::string&) { return text; });
+  reader.initial = target;
+  return reader;
 }
 
 /// The words of a choice and their meanings.

@@ -384,10 +384,4 @@ ClipPlane parse_clip_plane(std::string_view text, const std::string& option) {
   return {{(*n)[0], (*n)[1], (*n)[2]}, (*n)[3]};
 }
 
-std::vector<ClipPlane> parse_clip_planes(const std::string& text, const std::string& option) {
-  std::vector<ClipPlane> planes;
-  for (const auto part : split(text, ":")) planes.push_back(parse_clip_plane(part, option));
-  return planes;
-}
-
 }  // namespace ringsplat::app

@@ -93,7 +93,9 @@ std::pair<BoxOf, Axis> parse_slice(const std::string& text, const std::string& o
 
 /// A clip plane, "nx,ny,nz,d"; or several with colons between. Throws InputError.
 ClipPlane parse_clip_plane(std::string_view text, const std::string& option);
-std::vector<ClipPlane> parse_clip_planes(const std::string& text, const std::string& option);
+inline std::vector<ClipPlane> parse_clip_planes(const std::string& text, const std::string& option) {
+  return detail::mapped(split(text, ":"), [&](auto part) { return parse_clip_plane(part, option); });
+}
 
 /// The box that was typed, if any.
 inline std::optional<VoxelBox> clip_box(const BoxOf& clip, const Grid& grid) {

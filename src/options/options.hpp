@@ -48,6 +48,14 @@ inline bool names_channels(const std::string& channel) {
 }
 
 std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& volume);
+/// Chooses a part of what `volume` does.
+inline VolumeOptions part_of(VolumeOptions volume, const VoxelBox& part) {
+  volume.choice.crop = [before = volume.choice.crop, part](const Grid& whole) {
+    const glm::ivec3 first = before ? before(whole).first : glm::ivec3(0);
+    return VoxelBox{part.first + first, part.end + first};
+  };
+  return volume;
+}
 
 /// What a segmentation's file says of its labels, by the bytes that stand for them.
 std::map<double, detail::LabelNotes> notes_of(const ShownLabels& mask);

@@ -4,7 +4,6 @@
 
 #include "base/lack_of_memory.hpp"
 #include "base/text.hpp"
-#include "net/agree.hpp"
 #include "net/launcher.hpp"
 #include "program/layouts.hpp"
 
@@ -38,13 +37,6 @@ Launch::Launch(int& argc, char**& argv, TransportChoice choice)
     collectives_ = std::make_unique<SoloCollectives>();
 }
 
-Launch::Launch() : in_one_process_(true), collectives_(std::make_unique<SoloCollectives>()) {}
-
-Transport* Launch::transport() {
-  if (over_mpi() && !transport_) transport_ = session_->make_transport();
-  return transport_.get();
-}
-
 void Launch::require_same_build() const {
   if (!session_) return;
   const auto builds = session_->introductions(build_id());
@@ -53,25 +45,6 @@ void Launch::require_same_build() const {
       throw InputError(
           fmt::format("rank {} runs another build: {}, rank 0 runs {}", rank, builds[rank], builds.front()),
           "install the same build on all machines, and see that no other comes first in a PATH");
-}
-
-void Launch::require_same_options(const Facts& options) {
-  require_same(*collectives_, options, "was started with other options",
-               "start all ranks with the same command line and --config file; only --verbose may differ");
-}
-
-void Launch::check_on_all_ranks(const std::function<void()>& check) { agree_after(*collectives_, check); }
-
-void Launch::check_on_rank_0(const std::function<void()>& check) {
-  const std::string error = of_rank_0(rank() == 0 ? input_error_of(check) : std::string());
-  if (!error.empty()) throw InputError(error);
-}
-
-Outcome Launch::run_on_rank_0(const std::function<ExitCode()>& work) {
-  Outcome outcome;
-  if (rank() == 0) outcome = guarded(work);
-  outcome.code = of_rank_0(outcome.code);
-  return outcome;
 }
 
 void Launch::take_leave() {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "mpi/session.hpp"
+#include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "options/options.hpp"
 #include "ringsplat/base/error.hpp"
@@ -32,32 +33,46 @@ class Launch {
   /// Initialises MPI when a launcher started this process or `choice` asks for it.
   Launch(int& argc, char**& argv, TransportChoice choice);
   /// This process alone, whatever started it.
-  Launch();
+  Launch() : in_one_process_(true), collectives_(std::make_unique<SoloCollectives>()) {}
 
   int rank() const { return collectives_->process(); }
   int ranks() const { return collectives_->processes(); }
   bool over_mpi() const { return session_.has_value() && !in_one_process_; }
   Collectives& collectives() { return *collectives_; }
   /// Null in loopback. The first call is collective.
-  Transport* transport();
+  Transport* transport() {
+    if (over_mpi() && !transport_) transport_ = session_->make_transport();
+    return transport_.get();
+  }
   Wiring wiring(const LoopbackOptions& loopback) { return {collectives(), transport(), loopback}; }
 
   /// Throws InputError on all ranks, with both builds, when one runs another build than rank 0. Must be the
   /// ranks' first exchange.
   void require_same_build() const;
   /// Throws InputError on all ranks when one was told other options than rank 0.
-  void require_same_options(const Facts& options);
+  void require_same_options(const Facts& options) {
+    require_same(*collectives_, options, "was started with other options",
+                 "start all ranks with the same command line and --config file; only --verbose may differ");
+  }
   /// Runs `check` on every rank; when one throws InputError, all throw it.
-  void check_on_all_ranks(const std::function<void()>& check);
+  void check_on_all_ranks(const std::function<void()>& check) { agree_after(*collectives_, check); }
   /// Runs `check` on rank 0 only; when it throws InputError, all ranks throw it.
-  void check_on_rank_0(const std::function<void()>& check);
+  void check_on_rank_0(const std::function<void()>& check) {
+    const std::string error = of_rank_0(rank() == 0 ? input_error_of(check) : std::string());
+    if (!error.empty()) throw InputError(error);
+  }
   /// What rank 0 passes, on all ranks.
   template <class T>
   T of_rank_0(const T& value) {
     return value_of<T>(collectives_->broadcast(to_bytes(value), 0), "what rank 0 decided");
   }
   /// Runs `work` on rank 0 while the others wait; all get its outcome, the text on rank 0 only.
-  Outcome run_on_rank_0(const std::function<ExitCode()>& work);
+  Outcome run_on_rank_0(const std::function<ExitCode()>& work) {
+    Outcome outcome;
+    if (rank() == 0) outcome = guarded(work);
+    outcome.code = of_rank_0(outcome.code);
+    return outcome;
+  }
   /// All ranks call it when their work is done. Throws RunError on rank 0 when some rank has not called it
   /// when the collectives' patience is over: MPI_Finalize would wait for it for ever.
   void take_leave();

@@ -32,11 +32,6 @@ std::vector<Layout> possible_layouts(int ranks, bool meshes, int cores) {
   return layouts;
 }
 
-std::vector<Layout> in_bundles(std::vector<Layout> layouts, int bundle) {
-  for (Layout& layout : layouts) layout.bundle = bundle;
-  return layouts;
-}
-
 std::string describe(const Layout& layout) {
   const auto some = [](int count, const char* what) {
     return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");

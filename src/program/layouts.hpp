@@ -14,7 +14,10 @@ namespace ringsplat::app {
 std::vector<Layout> possible_layouts(int ranks, bool meshes, int cores = 0);
 
 /// These layouts with bundles of so many slices.
-std::vector<Layout> in_bundles(std::vector<Layout> layouts, int bundle);
+inline std::vector<Layout> in_bundles(std::vector<Layout> layouts, int bundle) {
+  for (Layout& layout : layouts) layout.bundle = bundle;
+  return layouts;
+}
 
 /// "4 GPs + 2 Renderers", "3 colocated ranks, 5 idle", "mesh of 4x3 + 6 Renderers".
 std::string describe(const Layout& layout);

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <filesystem>
 
-#include "base/output_file.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
@@ -39,12 +38,6 @@ bool is_among(const fs::path& file, const fs::path& folder) {
 }
 
 }  // namespace
-
-bool is_stdout(const std::string& file) { return file == "-"; }
-
-void check_can_write_text(const std::string& file, const std::string& option) {
-  if (!is_stdout(file)) check_can_write(file, option);
-}
 
 void write_text_output(const std::string& file, const std::string& text) {
   if (!is_stdout(file)) {

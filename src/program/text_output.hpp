@@ -3,16 +3,19 @@
 #include <string>
 #include <vector>
 
+#include "base/output_file.hpp"
 #include "base/printable.hpp"
 
 namespace ringsplat::app {
 
 /// True when a text file's name means standard output: "-".
-bool is_stdout(const std::string& file);
+inline bool is_stdout(const std::string& file) { return file == "-"; }
 
 /// Throws InputError that names `option` when the file cannot be written (base/output_file.hpp). Standard
 /// output always passes.
-void check_can_write_text(const std::string& file, const std::string& option);
+inline void check_can_write_text(const std::string& file, const std::string& option) {
+  if (!is_stdout(file)) check_can_write(file, option);
+}
 
 /// Writes a whole text to a file or to standard output. Throws RunError (disk full, ...).
 void write_text_output(const std::string& file, const std::string& text);

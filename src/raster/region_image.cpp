@@ -4,19 +4,6 @@
 
 namespace ringsplat {
 
-RegionImage::RegionImage(const PixelRect& rect)
-    : rect_(rect),
-      row_floats_(in_whole_blocks(rect.width()) * floats_a_pixel),
-      tiles_(rect.width(), rect.height()) {}
-
-void RegionImage::begin_frame(float opaque_threshold) {
-  opaque_threshold_ = opaque_threshold;
-  touched_ = false;
-  tiles_.clear();
-  opaque_bits_.clear();
-  slices_ = 0;
-}
-
 float* RegionImage::pixels() {
   if (touched_) return pixels_.get();
   const std::size_t floats = std::size_t(row_floats_) * std::size_t(rect_.height());
@@ -24,11 +11,6 @@ float* RegionImage::pixels() {
   std::fill_n(pixels_.get(), floats, 0.0F);
   touched_ = true;
   return pixels_.get();
-}
-
-std::uint64_t* RegionImage::opaque_bits(std::size_t words) {
-  if (opaque_bits_.empty()) opaque_bits_.assign(words * std::size_t(rect_.height()), 0);
-  return opaque_bits_.data();
 }
 
 void RegionImage::slices_composited(int slices) {

@@ -21,10 +21,19 @@ namespace ringsplat {
 class RegionImage {
  public:
   /// `rect`: the region's pixels in the image plane, at least one.
-  explicit RegionImage(const PixelRect& rect);
+  explicit RegionImage(const PixelRect& rect)
+      : rect_(rect),
+        row_floats_(in_whole_blocks(rect.width()) * floats_a_pixel),
+        tiles_(rect.width(), rect.height()) {}
 
   /// Forgets the last frame's image. `opaque_threshold`: transmittances below it count as 0; 0: none does.
-  void begin_frame(float opaque_threshold);
+  void begin_frame(float opaque_threshold) {
+    opaque_threshold_ = opaque_threshold;
+    touched_ = false;
+    tiles_.clear();
+    opaque_bits_.clear();
+    slices_ = 0;
+  }
 
   const PixelRect& rect() const { return rect_; }
   float opaque_threshold() const { return opaque_threshold_; }
@@ -36,7 +45,10 @@ class RegionImage {
   std::ptrdiff_t row_floats() const { return row_floats_; }
   /// Bits in which who draws may note opaque pixels: `words` for each row, in a layout of the caller's. They
   /// are 0 when a frame's first call asks for them.
-  std::uint64_t* opaque_bits(std::size_t words);
+  std::uint64_t* opaque_bits(std::size_t words) {
+    if (opaque_bits_.empty()) opaque_bits_.assign(words * std::size_t(rect_.height()), 0);
+    return opaque_bits_.data();
+  }
 
   /// Call after slices were composited. Every few slices looks for opaque tiles.
   void slices_composited(int slices = 1);

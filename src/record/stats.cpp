@@ -61,13 +61,6 @@ NodeStats& NodeStats::operator+=(const NodeStats& other) {
   return *this;
 }
 
-NodeStats FrameStats::total() const {
-  NodeStats sum;
-  for (const auto* group : {&gps, &renderers})
-    for (const auto& stats : *group) sum += stats;
-  return sum;
-}
-
 void check_conservation(const FrameStats& stats) {
   const NodeStats sum = stats.total();
   if (!stats.dropped && sum.splats_sent != sum.splats_drawn + sum.splats_clipped + sum.splats_hidden)

@@ -42,7 +42,12 @@ struct FrameStats {
   bool dropped = false;  ///< nobody wanted it: payloads were left out or not drawn
   std::vector<NodeStats> gps, renderers;
   std::vector<LinkCounts> links;  ///< of a mesh with manhattan routing, by rank
-  NodeStats total() const;
+  NodeStats total() const {
+    NodeStats sum;
+    for (const auto* group : {&gps, &renderers})
+      for (const auto& stats : *group) sum += stats;
+    return sum;
+  }
 };
 
 /// Throws RunError naming the sums unless splats sent = drawn + clipped + hidden, tokens issued = retired and

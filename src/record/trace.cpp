@@ -63,14 +63,6 @@ void NodeTrace::add(Activity activity, std::int64_t frame, std::int32_t step, do
   }
 }
 
-void NodeTrace::mark(Moment moment, std::int64_t frame, std::int32_t step, std::int32_t renderer,
-                     double time) {
-  if (record_.marks.size() < capacity_)
-    record_.marks.push_back({time, frame, step, renderer, moment});
-  else
-    record_.full = true;
-}
-
 ClockOffset estimate_offset(std::span<const GatherTimes> mine, std::span<const GatherTimes> of_process_0) {
   double low = -1e300, high = 1e300;
   for (std::size_t k = 0; k < mine.size(); ++k) {
@@ -94,14 +86,6 @@ void Trace::compare_clocks(Collectives& collectives) {
   read_block(of_0, "its clock's times", times_of_0, clock_of_0);
   const bool common = collectives.process() == 0 || (!clock.empty() && clock == clock_of_0);
   compared_.push_back(common ? ClockOffset{.at = mine.back().left} : estimate_offset(mine, times_of_0));
-}
-
-/// Interpolates between two comparisons, since clocks of different machines also run at different speeds.
-double Trace::in_clock_of_0(double time) const {
-  if (compared_.empty()) return time;
-  const ClockOffset &first = compared_.front(), &last = compared_.back();
-  if (last.at <= first.at) return time - last.offset;
-  return time - first.offset - (last.offset - first.offset) * (time - first.at) / (last.at - first.at);
 }
 
 Trace::Gathered Trace::gather(Collectives& collectives) const {

@@ -52,7 +52,12 @@ class NodeTrace {
   explicit NodeTrace(NodeId node, std::size_t capacity = most) : capacity_(capacity) { record_.node = node; }
   /// All of begin … end was spent on it. Calls come in the order of time.
   void add(Activity activity, std::int64_t frame, std::int32_t step, double begin, double end);
-  void mark(Moment moment, std::int64_t frame, std::int32_t step, std::int32_t renderer, double time);
+  void mark(Moment moment, std::int64_t frame, std::int32_t step, std::int32_t renderer, double time) {
+    if (record_.marks.size() < capacity_)
+      record_.marks.push_back({time, frame, step, renderer, moment});
+    else
+      record_.full = true;
+  }
   const NodeRecord& record() const { return record_; }
 
  private:
@@ -92,7 +97,13 @@ class Trace {
   Gathered gather(Collectives& collectives) const;
 
  private:
-  double in_clock_of_0(double time) const;
+  /// Interpolates between two comparisons, since clocks of different machines also run at different speeds.
+  double in_clock_of_0(double time) const {
+    if (compared_.empty()) return time;
+    const ClockOffset &first = compared_.front(), &last = compared_.back();
+    if (last.at <= first.at) return time - last.offset;
+    return time - first.offset - (last.offset - first.offset) * (time - first.at) / (last.at - first.at);
+  }
 
   std::map<std::pair<Role, std::int32_t>, NodeTrace> nodes_;
   std::vector<ClockOffset> compared_;  ///< of this process, ascending

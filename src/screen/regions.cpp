@@ -66,12 +66,6 @@ Regions::Regions(int width, int height, int region_width, int region_height)
                      "choose larger regions, such as --region 128");
 }
 
-PixelRect Regions::rect(int region) const {
-  const int x0 = region % columns_ * region_width_, y0 = region / columns_ * region_height_;
-  // Sizes near 2^31 are allowed, so the far corner is found from what is left: x0 + size may overflow.
-  return {x0, y0, x0 + std::min(region_width_, width_ - x0), y0 + std::min(region_height_, height_ - y0)};
-}
-
 std::vector<int> Regions::owners(const PixelRect& block, int renderers, int dealt_to) const {
   const std::int64_t skew = choose_skew(block.width(), block.height(), dealt_to);
   std::vector<int> owner(std::size_t(count()), nobody);

@@ -42,7 +42,11 @@ class Regions {
   int columns() const { return columns_; }
   int rows() const { return rows_; }
   /// The region's pixels.
-  PixelRect rect(int region) const;
+  PixelRect rect(int region) const {
+    const int x0 = region % columns_ * region_width_, y0 = region / columns_ * region_height_;
+    // Sizes near 2^31 are allowed, so the far corner is found from what is left: x0 + size may overflow.
+    return {x0, y0, x0 + std::min(region_width_, width_ - x0), y0 + std::min(region_height_, height_ - y0)};
+  }
 
   /// Deals a block of regions, given in columns and rows, to `dealt_to` of the Renderers, spread evenly among
   /// them. Returns owners by region; nobody owns those beside the block.

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <sys/random.h>
 
-#include <algorithm>
 #include <array>
 #include <boost/beast/http/rfc7230.hpp>
 #include <regex>
@@ -41,23 +40,6 @@ std::string frame_ancestors(const std::vector<std::string>& origins) {
     list += (list.empty() ? "" : " ") + one;
   }
   return list.empty() ? "'none'" : list;
-}
-
-bool Access::host_allowed(std::string_view host) const {
-  return std::find(hosts.begin(), hosts.end(), host) != hosts.end();
-}
-
-bool Access::origin_allowed(std::string_view origin, std::string_view host) const {
-  if (origin.empty()) return false;
-  if (origin == "http://" + std::string(host)) return host_allowed(host);
-  return std::find(origins.begin(), origins.end(), origin) != origins.end();
-}
-
-bool Access::is_token(std::string_view text) const {
-  unsigned differs = text.size() != token.size() ? 1 : 0;
-  for (std::size_t k = 0; k < std::min(text.size(), token.size()); ++k)
-    differs |= static_cast<unsigned char>(text[k] ^ token[k]);
-  return differs == 0;
 }
 
 bool Access::may_connect(std::string_view offered) const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,11 +16,22 @@ struct Access {
   std::vector<std::string> hosts;    ///< exactly what a request's Host may be, as "localhost:8080"
   std::vector<std::string> origins;  ///< pages besides the hosts' that may connect: "https://hub.example.org"
 
-  bool host_allowed(std::string_view host) const;
+  bool host_allowed(std::string_view host) const {
+    return std::find(hosts.begin(), hosts.end(), host) != hosts.end();
+  }
   /// `host`: of the same request.
-  bool origin_allowed(std::string_view origin, std::string_view host) const;
+  bool origin_allowed(std::string_view origin, std::string_view host) const {
+    if (origin.empty()) return false;
+    if (origin == "http://" + std::string(host)) return host_allowed(host);
+    return std::find(origins.begin(), origins.end(), origin) != origins.end();
+  }
   /// Takes as long for every text of the right length.
-  bool is_token(std::string_view text) const;
+  bool is_token(std::string_view text) const {
+    unsigned differs = text.size() != token.size() ? 1 : 0;
+    for (std::size_t k = 0; k < std::min(text.size(), token.size()); ++k)
+      differs |= static_cast<unsigned char>(text[k] ^ token[k]);
+    return differs == 0;
+  }
   /// `offered`: a WebSocket request's list of subprotocols, which must have "ringsplat.v1" and
   /// "token.TOKEN".
   bool may_connect(std::string_view offered) const;

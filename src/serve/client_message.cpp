@@ -286,13 +286,6 @@ json to_json(const SceneState& s) {
           {"background", {s.background.x, s.background.y, s.background.z}}};
 }
 
-VoxelBox slice_box(const Grid& grid, int axis, int index) {
-  VoxelBox box = whole_box(grid);
-  box.first[axis] = index;
-  box.end[axis] = index + 1;
-  return box;
-}
-
 std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 SceneState scene_from(const json& j, const MessageRules& rules) {

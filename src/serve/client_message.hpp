@@ -116,7 +116,12 @@ struct MessageRules {
 };
 
 /// What shows one slice of the volume.
-VoxelBox slice_box(const Grid& grid, int axis, int index);
+inline VoxelBox slice_box(const Grid& grid, int axis, int index) {
+  VoxelBox box = whole_box(grid);
+  box.first[axis] = index;
+  box.end[axis] = index + 1;
+  return box;
+}
 
 /// Members that are missing are those of the initial scene. Throws InputError naming the member that is
 /// wrong.

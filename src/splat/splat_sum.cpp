@@ -82,12 +82,6 @@ SplatSum::SplatSum(const Footprint& footprint, const PixelRect& largest)
   runs_.resize(std::size_t(largest.height() + (by_anchors ? 2 * reach_.y + 1 : 0)));
 }
 
-void SplatSum::begin(RegionImage& image) {
-  image_ = &image;
-  buffer_.width = image.rect().width();
-  buffer_.height = image.rect().height();
-}
-
 DrawCounts SplatSum::draw(std::int64_t base_x, std::int64_t base_y, std::span<const std::byte> splats) {
   if (splats.size() < sizeof(Splat)) return {};
   const std::int64_t left = base_x - image_->rect().x0, top = base_y - image_->rect().y0;

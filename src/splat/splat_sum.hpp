@@ -74,7 +74,11 @@ class SplatSum {
   SplatSum(const Footprint& footprint, const PixelRect& largest);
 
   /// Begins a slice of a region. `image` must outlive the slice; its frame has begun.
-  void begin(RegionImage& image);
+  void begin(RegionImage& image) {
+    image_ = &image;
+    buffer_.width = image.rect().width();
+    buffer_.height = image.rect().height();
+  }
   /// Adds whole splats; `splats` may have any alignment. (base_x, base_y): the pixel of the image plane from
   /// which their anchors count. Splats with a NaN or a coefficient that no footprint has count as clipped.
   DrawCounts draw(std::int64_t base_x, std::int64_t base_y, std::span<const std::byte> splats);

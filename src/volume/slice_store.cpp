@@ -81,17 +81,6 @@ SliceView SliceStore::slice(Axis axis, int index, const VoxelBox& box) const {
   return part;
 }
 
-std::span<std::byte> SliceStore::values(Axis axis, int index) {
-  const auto bytes = grid_.slice_bytes(axis);
-  return std::span(*sets_[std::size_t(axis)].values).subspan(local(index) * bytes, bytes);
-}
-
-std::span<std::uint16_t> SliceStore::normals(Axis axis, int index) {
-  if (!with_normals_) return {};
-  const auto voxels = grid_.slice_voxels(axis);
-  return std::span(*sets_[std::size_t(axis)].normals).subspan(local(index) * voxels, voxels);
-}
-
 void SliceStore::unpack_columns(Axis axis, int z, std::span<const std::byte> in) {
   const auto line = std::size_t(grid_.slice_width(axis)), value_bytes = line * size_of(grid_.type),
              normal_bytes = with_normals_ ? line * sizeof(std::uint16_t) : 0;
@@ -103,10 +92,6 @@ void SliceStore::unpack_columns(Axis axis, int z, std::span<const std::byte> in)
     if (with_normals_) std::memcpy(normals(axis, s).data() + std::size_t(z) * line, from, normal_bytes);
     from += normal_bytes;
   }
-}
-
-bool SliceStore::knows_cell_ranges(Axis axis) const {
-  return dealing_.owned_count(grid_.slices(axis), gp_) == 0 || !cell_ranges_[std::size_t(axis)].empty();
 }
 
 std::uint64_t SliceStore::bytes_needed(const Grid& grid, int gp, SliceDealing dealing,

@@ -64,8 +64,16 @@ class SliceStore {
   SliceView slice(Axis axis, int index) const;
   /// The part in the box of slice box.first[axis] + `index`: slice `index` of the volume cropped to the box.
   SliceView slice(Axis axis, int index, const VoxelBox& box) const;
-  std::span<std::byte> values(Axis axis, int index);
-  std::span<std::uint16_t> normals(Axis axis, int index);  ///< empty when unshaded
+  std::span<std::byte> values(Axis axis, int index) {
+    const auto bytes = grid_.slice_bytes(axis);
+    return std::span(*sets_[std::size_t(axis)].values).subspan(local(index) * bytes, bytes);
+  }
+  /// Empty when unshaded.
+  std::span<std::uint16_t> normals(Axis axis, int index) {
+    if (!with_normals_) return {};
+    const auto voxels = grid_.slice_voxels(axis);
+    return std::span(*sets_[std::size_t(axis)].normals).subspan(local(index) * voxels, voxels);
+  }
 
   /// Takes what pack_columns() made for this GP as row z of its slices of the axis.
   void unpack_columns(Axis axis, int z, std::span<const std::byte> in);
@@ -97,7 +105,9 @@ class SliceStore {
     cell_ranges_[std::size_t(axis)][index] = std::move(ranges);
   }
   /// Whether those of an axis were told; a GP without slices needs none.
-  bool knows_cell_ranges(Axis axis) const;
+  bool knows_cell_ranges(Axis axis) const {
+    return dealing_.owned_count(grid_.slices(axis), gp_) == 0 || !cell_ranges_[std::size_t(axis)].empty();
+  }
   /// Null when unknown.
   const CellRanges* cell_ranges(Axis axis, int index) const {
     const auto& of_axis = cell_ranges_[std::size_t(axis)];

@@ -7,7 +7,6 @@
 #include "net/blocks.hpp"
 #include "options/option_tables.hpp"
 #include "options/transfer_function_option.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::words {
 
@@ -22,17 +21,6 @@ BlockSession::BlockSession(Processes processes, const std::vector<std::string>& 
         });
         return Session(std::move(processes), nodes, options);
       }()) {}
-
-void BlockSession::set_grid(const Grid& grid, const VolumeNotes& notes) {
-  check(grid, "the grid");
-  session_.set_grid(grid);
-  notes_ = notes;
-}
-
-void BlockSession::commit() {
-  session_.commit();
-  committed_notes_ = notes_;
-}
 
 std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
                                           const std::vector<app::ViewAngles>& views, const Hooks& hooks) {
@@ -103,11 +91,6 @@ void BlockSession::offer(const std::string& name, double value, double low, doub
     shown.offer(name, kept, low, high);
 }
 
-std::vector<std::pair<std::string, double>> BlockSession::show(std::int64_t step, double time) {
-  live().show(step, time);
-  return {offered_.begin(), offered_.end()};
-}
-
 BlockSession::Request BlockSession::request(const std::vector<std::string>& words,
                                             const std::vector<app::ViewAngles>& views,
                                             const ValueStatistics& values) const {
@@ -128,11 +111,6 @@ BlockSession::Request BlockSession::request(const std::vector<std::string>& word
   tell(said);
   made.frames = frames_of(o.frame, cameras);
   return made;
-}
-
-Live& BlockSession::live() {
-  if (!live_) throw InputError("nothing is served", "call serve() first");
-  return *live_;
 }
 
 }  // namespace ringsplat::words

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "ringsplat/base/error.hpp"
 #include "ringsplat/live/live.hpp"
 #include "ringsplat/session/session.hpp"
 #include "words/picture.hpp"
@@ -55,8 +56,15 @@ class BlockSession {
   /// For its blocks and what else has nothing to do with pictures.
   Session& session() { return session_; }
 
-  void set_grid(const Grid& grid, const VolumeNotes& notes);
-  void commit();
+  void set_grid(const Grid& grid, const VolumeNotes& notes) {
+    check(grid, "the grid");
+    session_.set_grid(grid);
+    notes_ = notes;
+  }
+  void commit() {
+    session_.commit();
+    committed_notes_ = notes_;
+  }
 
   /// Rank 0's words and views count. The pictures are returned on rank 0.
   std::vector<Picture> render(const std::vector<std::string>& words,
@@ -73,12 +81,18 @@ class BlockSession {
   /// rank 0. All ranks pass the same.
   std::string serve(const std::vector<std::string>& words, LiveOptions options);
   /// What is served. Throws InputError when nothing is.
-  Live& live();
+  Live& live() {
+    if (!live_) throw InputError("nothing is served", "call serve() first");
+    return *live_;
+  }
   /// A number that pages may change, or the number of one of `choices`, kept here.
   void offer(const std::string& name, double value, double low, double high,
              const std::optional<std::vector<std::string>>& choices);
   /// As Live::show(). Returns the numbers that are offered, by name.
-  std::vector<std::pair<std::string, double>> show(std::int64_t step, double time);
+  std::vector<std::pair<std::string, double>> show(std::int64_t step, double time) {
+    live().show(step, time);
+    return {offered_.begin(), offered_.end()};
+  }
 
  private:
   /// What is wanted drawn.

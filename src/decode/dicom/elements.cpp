@@ -237,22 +237,6 @@ class Parser {
 
 std::string to_string(DicomTag tag) { return fmt::format("({:04X},{:04X})", tag.group, tag.element); }
 
-const std::string& DicomItem::text(DicomTag tag) const {
-  static const std::string none;
-  const auto found = values.find(tag);
-  return found == values.end() ? none : found->second;
-}
-
-const std::vector<DicomItem>& DicomItem::items(DicomTag sequence) const {
-  static const std::vector<DicomItem> none;
-  const auto found = sequences.find(sequence);
-  return found == sequences.end() ? none : found->second;
-}
-
-const DicomItem* DicomItem::first_item(DicomTag sequence) const {
-  return items(sequence).empty() ? nullptr : &items(sequence).front();
-}
-
 std::vector<double> DicomItem::numbers(DicomTag tag) const {
   const auto& value = text(tag);
   const auto finite = [](double number) { return std::isfinite(number) ? number : NAN; };

@@ -45,9 +45,22 @@ struct DicomItem {
   std::map<DicomTag, std::string> values;
   std::map<DicomTag, std::vector<DicomItem>> sequences;
 
-  const std::string& text(DicomTag tag) const;                   ///< or bytes; empty where it is missing
-  const std::vector<DicomItem>& items(DicomTag sequence) const;  ///< none where it is missing
-  const DicomItem* first_item(DicomTag sequence) const;          ///< null where there is none
+  /// Or bytes; empty where it is missing.
+  const std::string& text(DicomTag tag) const {
+    static const std::string none;
+    const auto found = values.find(tag);
+    return found == values.end() ? none : found->second;
+  }
+  /// None where it is missing.
+  const std::vector<DicomItem>& items(DicomTag sequence) const {
+    static const std::vector<DicomItem> none;
+    const auto found = sequences.find(sequence);
+    return found == sequences.end() ? none : found->second;
+  }
+  /// Null where there is none.
+  const DicomItem* first_item(DicomTag sequence) const {
+    return items(sequence).empty() ? nullptr : &items(sequence).front();
+  }
   /// Of an element that is of numbers; NaN for each that is none or not finite.
   std::vector<double> numbers(DicomTag tag) const;
 };

@@ -126,12 +126,6 @@ Matches find_named(const std::vector<DicomSeries>& series, const std::string& wa
 
 }  // namespace
 
-std::size_t DicomSeries::slices() const {
-  std::size_t sum = 0;
-  for (const DicomHeader& image : images) sum += std::size_t(image.frames);
-  return sum;
-}
-
 std::vector<DicomSeries> find_series(const fs::path& folder, bool deep) {
   std::map<std::string, DicomSeries> series;
   std::set<std::pair<std::string, std::string>> instances;

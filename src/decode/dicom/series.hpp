@@ -18,7 +18,12 @@ struct DicomHeader {
 struct DicomSeries {
   std::string uid, description, modality, number, rescale_type;
   std::vector<DicomHeader> images = {};  ///< by their paths; copies of an image are left out
-  std::size_t slices() const;            ///< of all images
+  /// Of all images.
+  std::size_t slices() const {
+    std::size_t sum = 0;
+    for (const DicomHeader& image : images) sum += std::size_t(image.frames);
+    return sum;
+  }
 };
 
 /// The series in a folder and, when `deep`, in those below it; by UID. Symbolic links are followed, loops do

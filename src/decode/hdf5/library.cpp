@@ -91,12 +91,6 @@ std::vector<std::string> texts_of(hid_t object, const char* attribute) {
   return texts;
 }
 
-std::optional<std::string> text_of(hid_t object, const char* attribute) {
-  auto texts = texts_of(object, attribute);
-  if (texts.empty()) return {};
-  return std::move(texts.front());
-}
-
 std::vector<double> numbers_of(hid_t object, const char* attribute) {
   const auto found = find(object, attribute);
   if (!found) return {};
@@ -105,12 +99,6 @@ std::vector<double> numbers_of(hid_t object, const char* attribute) {
   std::vector<double> numbers(std::size_t(found->values), NAN);
   if (H5Aread(found->id.get(), H5T_NATIVE_DOUBLE, numbers.data()) < 0) return {};
   return numbers;
-}
-
-std::optional<double> number_of(hid_t object, const char* attribute) {
-  const auto numbers = numbers_of(object, attribute);
-  if (numbers.empty()) return {};
-  return numbers.front();
 }
 
 std::vector<double> numbers_in(hid_t dataset) {

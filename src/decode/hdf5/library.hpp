@@ -53,14 +53,24 @@ Id open_file(const std::filesystem::path& file);
 // An attribute that is missing, of another kind, unreadable or unreasonably long gives nothing: attributes
 // only describe, the voxels can be drawn without them.
 
-/// A text, of fixed or variable length; the first of several.
-std::optional<std::string> text_of(hid_t object, const char* attribute);
 /// All texts of a one-dimensional attribute.
 std::vector<std::string> texts_of(hid_t object, const char* attribute);
+/// A text, of fixed or variable length; the first of several.
+inline std::optional<std::string> text_of(hid_t object, const char* attribute) {
+  auto texts = texts_of(object, attribute);
+  if (texts.empty()) return {};
+  return std::move(texts.front());
+}
+
 /// All numbers, integers as double.
 std::vector<double> numbers_of(hid_t object, const char* attribute);
 /// The first of the numbers.
-std::optional<double> number_of(hid_t object, const char* attribute);
+inline std::optional<double> number_of(hid_t object, const char* attribute) {
+  const auto numbers = numbers_of(object, attribute);
+  if (numbers.empty()) return {};
+  return numbers.front();
+}
+
 /// All numbers of a dataset with at most 2²⁰ of them that lie in its own file.
 std::vector<double> numbers_in(hid_t dataset);
 /// The objects that a netCDF variable's DIMENSION_LIST names for its axes, each its first one; no identifier

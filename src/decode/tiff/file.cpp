@@ -1,6 +1,5 @@
 #include "decode/tiff/file.hpp"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -317,12 +316,6 @@ std::unique_ptr<ImageFile> open_tiff_image(const std::filesystem::path& path) {
     throw InputError(fmt::format("{} is not a readable image file: {}", path.string(), in_words(problem)),
                      "check the file with another viewer");
   return std::move(file);
-}
-
-std::int64_t TiffFile::slices() const {
-  if (microscopy.slices) return *microscopy.slices;
-  const auto others = microscopy.planes(1).value_or(1);
-  return std::max<std::int64_t>(1, std::int64_t(planes.size() / others));
 }
 
 TiffFile read_tiff_file(const std::filesystem::path& path) {

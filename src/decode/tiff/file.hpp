@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
@@ -29,7 +30,12 @@ struct TiffFile {
   bool has_alpha = false;         ///< the last of them is opacity
   std::vector<TiffSlice> planes;  ///< pages but smaller copies and masks, or all planes behind one page
   Microscopy microscopy;          ///< without a problem; its planes are there
-  std::int64_t slices() const;    ///< of each channel at each time
+  /// Of each channel at each time.
+  std::int64_t slices() const {
+    if (microscopy.slices) return *microscopy.slices;
+    const auto others = microscopy.planes(1).value_or(1);
+    return std::max<std::int64_t>(1, std::int64_t(planes.size() / others));
+  }
 };
 
 /// Opens an image by its library. Throws InputError when it is none.

@@ -1,7 +1,6 @@
 #include "formats/nrrd/header.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/common.hpp>
 #include <sstream>
 #include <string_view>
@@ -11,17 +10,11 @@
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "formats/label_notes.hpp"
-#include "formats/limits.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/text_reader.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
-
-void fail_nrrd(const std::filesystem::path& path, const std::string& what) {
-  throw InputError(fmt::format("{} is not a readable NRRD file: {}", path.string(), what),
-                   "see teem.sourceforge.net/nrrd for the format");
-}
 
 namespace {
 
@@ -287,16 +280,6 @@ void read_skips(const NrrdFields& fields, NrrdHeader& header) {
 }
 
 }  // namespace
-
-double NrrdAxis::length() const {
-  double square = 0;
-  for (const double step : direction) square += step * step;
-  return std::sqrt(square);
-}
-
-void NrrdHeader::fail(const std::string& what) const {
-  refuse(path, "extract one volume, or write its axes as [component] x y z [time]", "{}", what);
-}
 
 NrrdHeader read_nrrd_header(const std::filesystem::path& path) {
   const NrrdFields fields(path);

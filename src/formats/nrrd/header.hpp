@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -6,6 +7,7 @@
 #include <vector>
 
 #include "formats/encoded_bytes.hpp"
+#include "formats/limits.hpp"
 #include "ringsplat/volume/grid.hpp"
 
 namespace ringsplat::detail {
@@ -21,7 +23,12 @@ struct NrrdAxis {
   double spacing = none, min = none, max = none;
   bool nodes = false;             ///< min and max are where the first and the last voxels' centres are
   std::vector<double> direction;  ///< as many numbers as the space has axes; empty without a direction
-  double length() const;          ///< of the direction
+  /// Of the direction.
+  double length() const {
+    double square = 0;
+    for (const double step : direction) square += step * step;
+    return std::sqrt(square);
+  }
 };
 
 /// The header of an NRRD ("Definition of NRRD File Format", teem.sourceforge.net/nrrd).
@@ -43,10 +50,15 @@ struct NrrdHeader {
   std::uint64_t end = 0;            ///< the byte behind the header where its file holds the voxels
 
   /// Throws InputError.
-  [[noreturn]] void fail(const std::string& what) const;
+  [[noreturn]] void fail(const std::string& what) const {
+    refuse(path, "extract one volume, or write its axes as [component] x y z [time]", "{}", what);
+  }
 };
 
-[[noreturn]] void fail_nrrd(const std::filesystem::path& path, const std::string& what);
+[[noreturn]] inline void fail_nrrd(const std::filesystem::path& path, const std::string& what) {
+  throw InputError(fmt::format("{} is not a readable NRRD file: {}", path.string(), what),
+                   "see teem.sourceforge.net/nrrd for the format");
+}
 
 /// Throws InputError for a damaged header, and for one that says what no volume may have.
 NrrdHeader read_nrrd_header(const std::filesystem::path& path);

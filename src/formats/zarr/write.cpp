@@ -53,10 +53,6 @@ void pack(const std::vector<std::byte>& chunk, std::size_t scalar, std::vector<s
 ZarrLevel::ZarrLevel(fs::path folder, const Grid& grid)
     : folder_(std::move(folder)), grid_(grid), chunk_(chunk_dims(grid)) {}
 
-fs::path ZarrLevel::chunk_file(int layer, int row, int column) const {
-  return folder_ / std::to_string(layer) / std::to_string(row) / std::to_string(column);
-}
-
 void ZarrLevel::begin() const {
   constexpr char order = std::endian::native == std::endian::big ? '>' : '<';
   make_folder(folder_);

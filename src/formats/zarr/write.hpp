@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "ringsplat/volume/source.hpp"
@@ -32,7 +33,9 @@ class ZarrLevel {
   void write_layer(int layer, const VoxelBox& block, VolumeSource& source) const;
 
  private:
-  std::filesystem::path chunk_file(int layer, int row, int column) const;
+  std::filesystem::path chunk_file(int layer, int row, int column) const {
+    return folder_ / std::to_string(layer) / std::to_string(row) / std::to_string(column);
+  }
   /// Of a layer's slices of a block of this grid, filled up with zeros beyond the volume's far faces, as
   /// chunks are all of one size. `x`, `y`: in the block.
   std::vector<std::byte> chunk_of(std::span<const std::byte> slices, const Grid& block, int y, int x) const;
