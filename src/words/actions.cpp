@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fstream>
+#include <regex>
 #include <sstream>
 
 #include "base/log.hpp"
@@ -39,7 +40,9 @@ void take(Action& action, const CLI::ConfigItem& item) {
 
 std::vector<Action> parse_actions(const std::string& text) {
   std::vector<Action> actions;
-  std::istringstream lines(text);
+  // CLI11 takes no comment behind a section's name.
+  std::istringstream lines(
+      std::regex_replace(text, std::regex(R"((^|\n)(\s*\[[^\]\n]*\])[ \t]*#[^\n]*)"), "$1$2"));
   std::vector<CLI::ConfigItem> items;
   try {
     items = CLI::ConfigTOML().from_config(lines);

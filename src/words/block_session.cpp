@@ -44,7 +44,11 @@ void BlockSession::draw(const std::vector<std::string>& words, const std::string
   agree_after(collectives_, [&] {
     for (const Picture& p : pictures) {
       check_image_name(file, "the picture's file", !p.background);
-      write_image(p.image, file, p.background, p.settings, p.overlay);
+      try {
+        write_image(p.image, file, p.background, p.settings, p.overlay);
+      } catch (const RunError& e) {
+        throw InputError(e.what());  // the others are told, and go on
+      }
     }
   });
 }

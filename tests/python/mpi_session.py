@@ -72,6 +72,18 @@ for dtype, layout in LAYOUTS.items():
 for wrong, error in (({"layout": dict(gp=1)}, itself), ({"layout": (99, 99)}, rs.InputError), ({"threads": "two"}, itself)):
     refused(lambda: rs.Session(comm=comm, **(wrong if culprit else {})), error, "")
 
+# A picture that rank 0 cannot write is nobody's end.
+with_file = rs.Session(comm=comm)
+with_file.set_grid((8, 8, 8), "float32")
+if rank == 0:
+    with_file.add_block((0, 0, 0), blob((8, 8, 8)))
+    (folder / "actions.toml").write_text('[lost]\nfile = "nowhere/x.png"\n[kept]\nfile = "kept-{step}.png"\nsize = 16\n')
+with_file.commit()
+comm.Barrier()
+with_file.act(folder / "actions.toml", ranks)
+comm.Barrier()
+assert (folder / f"kept-{ranks:06}.png").exists()
+
 # The communicator is as it was, and its messages are its own.
 assert comm.allreduce(1) == ranks and comm.Get_errhandler() is not None
 assert np.asarray(rs.render(blob((8, 8, 8)), size=16)).max() > 0  # each rank by itself

@@ -61,7 +61,11 @@ def test_the_file_may_change_and_be_wrong_for_a_while(session, tmp_path, caplog)
         said = told(wrong, 4)
         assert words in said and "what it said before counts" in said, said
     assert pictures(tmp_path) == ["front-000002.png", "front-000004.png"]
-    # What is found out only when it is drawn does not end the program either.
+    actions.write_text("# pictures\n[front]  # of the front\nevery = 2  # steps" + FRONT.removeprefix("[front]\nevery = 2"))
+    assert told(None, 5) == ""
+    # What is found out only when it is drawn does not end the program either, nor keep other pictures from it.
+    assert "the picture lost: " in told(FRONT.replace('"front-', '"nowhere/').replace("[front]", "[lost]") + FRONT, 10)
+    assert "front-000010.png" in pictures(tmp_path)
     assert "the picture front: " in told(FRONT.replace("grey", "nowhere.json"), 6)
     assert told(FRONT, 8) == "" and "front-000008.png" in pictures(tmp_path)
 
