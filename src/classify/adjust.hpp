@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "classify/colour_maps.hpp"
@@ -16,6 +17,14 @@ struct DataRange {
   /// The same on a logarithmic axis, for positive ends.
   double at_logarithm(double share) const { return std::clamp(low * std::pow(high / low, share), low, high); }
 };
+
+/// Between the data and a value beyond them: half-way, but no further from them than they reach, so that a
+/// value far away leaves an axis for them.
+inline double beside(double value, const DataRange& data) {
+  const double reach = data.high > data.low ? data.high - data.low : std::numeric_limits<double>::infinity();
+  return value < data.low ? std::max(std::lerp(value, data.low, 0.5), data.low - reach)
+                          : std::min(std::lerp(data.high, value, 0.5), data.high + reach);
+}
 
 /// 1 − (1 − α)^factor: twice as dense for 2.
 void scale_opacity(TransferFunction& tf, double factor);

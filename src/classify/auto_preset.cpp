@@ -93,8 +93,8 @@ void balance(TransferFunction& tf, const Data& d) {
 /// Clear where the fill value and outliers are.
 void clear_outside(TransferFunction& tf, const Data& d) {
   const double span = d.high() - d.low();
-  if (d.fill_below) clear_below(tf, std::lerp(*d.fill_below, d.low(), 0.5));
-  if (d.fill_above) clear_above(tf, std::lerp(d.high(), *d.fill_above, 0.5));
+  if (d.fill_below) clear_below(tf, beside(*d.fill_below, {d.low(), d.high()}));
+  if (d.fill_above) clear_above(tf, beside(*d.fill_above, {d.low(), d.high()}));
   if (d.outside_below && !d.fill_below) clear_below(tf, d.low() - span);
   if (d.outside_above && !d.fill_above) clear_above(tf, d.high() + span);
 }
@@ -161,10 +161,16 @@ std::optional<AutoChoice> choose_signed(const Data& d) {
 
 // many decades
 
+/// A bin that holds 0 reaches to the least positive numbers, by which zeros would count as these.
+Bins positive_of(Bins bins) {
+  constexpr double least = std::numeric_limits<float>::min();
+  std::erase_if(bins, [](const ValueBin& bin) { return !(bin.middle() >= least); });
+  return bins;
+}
+
 std::optional<AutoChoice> choose_logarithmic(const Data& d, const Ramp& ramp) {
   if (d.low() < 0) return std::nullopt;
-  Bins positive = d.bins;
-  std::erase_if(positive, [](const ValueBin& bin) { return !(bin.middle() > 0); });
+  const Bins positive = positive_of(d.bins);
   if (positive.size() < 8) return std::nullopt;
   const double high = upper_quantile(positive, 0.999), low = upper_quantile(positive, 0.01),
                median = upper_quantile(positive, 0.5);
@@ -338,8 +344,7 @@ AutoChoice choose_within(const ValueStatistics& s, const DataRange& window, bool
 }
 
 DataRange positive_range(const ValueStatistics& s) {
-  Bins positive = s.bins.empty() ? Bins{} : data_of(s).bins;
-  std::erase_if(positive, [](const ValueBin& bin) { return !(bin.middle() > 0); });
+  const Bins positive = positive_of(s.bins.empty() ? Bins{} : data_of(s).bins);
   if (positive.empty())
     throw InputError(fmt::format("--log needs positive values, but the volume's run from {:g} to {:g}",
                                  plain(s.range.low), plain(s.range.high)),

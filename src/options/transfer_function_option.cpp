@@ -34,9 +34,9 @@ void clear_noted_fill(TransferFunction& tf, const ValueStatistics& values) {
   const auto& fill = values.notes.fill;
   if (!fill || values.fill_voxels == 0 || !(tf.evaluate(*fill).opacity > 0)) return;
   if (*fill < values.range.low)
-    clear_below(tf, std::lerp(*fill, values.range.low, 0.5));
+    clear_below(tf, beside(*fill, {values.range.low, values.range.high}));
   else if (*fill > values.range.high)
-    clear_above(tf, std::lerp(values.range.high, *fill, 0.5));
+    clear_above(tf, beside(*fill, {values.range.low, values.range.high}));
   else
     clear_at(tf, *fill, values.grid.type != ScalarType::float32 && values.grid.type != ScalarType::float64);
 }
