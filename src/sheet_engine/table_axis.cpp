@@ -106,10 +106,13 @@ PlaneCode PlaneCode::choose(ScalarType type, double low, double high, bool round
     if (high - std::floor(low) <= most) return {.offset = std::floor(low)};
     if (rounded) return {.offset = low, .scale = most / (high - low)};
   }
-  // Powers of two change no digit. Only doubles need them.
   const double largest = std::max(std::abs(low), std::abs(high));
-  const int exponent = largest > 1e30 || largest < 1e-30 ? std::ilogb(largest) : 0;
-  return {.floats = true, .scale = std::exp2(-double(exponent))};
+  // Floats would have too few digits left for values that differ by so little of themselves.
+  constexpr double alike = 1.0 / 64;
+  const double offset = high - low < alike * largest ? low : 0, reach = offset != 0 ? high - low : largest;
+  // Powers of two change no digit. Only doubles need them.
+  const int exponent = reach > 1e30 || reach < 1e-30 ? std::ilogb(reach) : 0;
+  return {.floats = true, .offset = offset, .scale = std::exp2(-double(exponent))};
 }
 
 }  // namespace ringsplat
