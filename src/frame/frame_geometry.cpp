@@ -102,7 +102,8 @@ void fit(FrameGeometry& g, const Shown& shown, const Splats& splats) {
 void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
   // Sheets err more in that plane, so they go there where it saves pixels only.
   constexpr double least = 1;
-  if (sheets.image_plane == ImagePlane::slices && !g.view.eye &&
+  // A warp is of colours, which lie between 0 and 1.
+  if (sheets.image_plane == ImagePlane::slices && !g.view.eye && !shown.values &&
       plane_density(g.view, g.traversal.axis, sheets.plane_samples, least) <= 1)
     lay_into_slices(g, shown, sheets.plane_samples, 1.0, least);
   const auto [u, v] = in_plane(g.traversal.axis);
