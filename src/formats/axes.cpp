@@ -104,6 +104,10 @@ Grid lattice_of(const DatasetMeaning& meaning, const std::string& where) {
   }
   if (meaning.direction) grid.direction = *meaning.direction;
   if (meaning.origin) grid.origin = *meaning.origin;
+  if (meaning.notes.world == World::microscope && !meaning.direction) {
+    grid.direction = microscope_axes * grid.direction;
+    grid.origin = microscope_axes * grid.origin;
+  }
   check_lattice(grid, where);
   return grid;
 }

@@ -201,10 +201,6 @@ std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const
   Grid grid = lattice_in(meaning, where);
   auto part = choose_part(meaning, array.type->type, choice, where);
   grid.type = array.type->type;
-  if (meaning.notes.world == World::microscope && !meaning.direction) {
-    grid.direction = microscope_axes * grid.direction;
-    grid.origin = microscope_axes * grid.origin;
-  }
   if (choice.crop) {
     const Grid& whole = finest.value_or(grid);
     const VoxelBox box = box_in_level(choice.crop(whole), whole.dims, grid.dims);
