@@ -162,7 +162,7 @@ struct Live::State {
     const std::lock_guard lock(telling);
     if (!looked_at) {
       run.paused = false;  // whoever paused it is gone
-      return {};
+      if (std::ranges::find(set_by_page, true) == set_by_page.end()) return {};
     }
     std::vector<double> values;
     for (const RunState::Parameter& parameter : run.parameters) values.push_back(parameter.value);

@@ -32,6 +32,8 @@ struct WebServer::Impl {
     if (error)
       throw InputError(fmt::format("--bind {} is no IP address", options.address),
                        "leave it out, or give for instance 0.0.0.0");
+    if (options.port < 0 || options.port > 65535)
+      throw InputError(fmt::format("there is no port {}", options.port), "0 takes any that is free");
     const tcp::endpoint endpoint(address, static_cast<unsigned short>(options.port));
     acceptor_.open(endpoint.protocol(), error);
     if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);

@@ -92,7 +92,7 @@ class View(contextlib.AbstractContextManager["View"]):
     def _repr_html_(self) -> str:
         width, height = self._size
         return (
-            f'<iframe src="{html.escape(self.url)}" width="{html.escape(width)}" height="{height}" '
+            f'<iframe src="{html.escape(self.url)}" width="{html.escape(str(width))}" height="{height}" '
             'style="border: 0" allow="fullscreen"></iframe>'
         )
 
