@@ -230,12 +230,15 @@ Overlay Annotation::overlay(const FrameSpec& spec, const ValueRange& range) cons
   const double bottom = patient ? 0.5 * shown.height - 1.6 * sheet.letter() : 0.6 * shown.height;
   if (!channels_.empty()) {
     add_legend(sheet, channels_);
-  } else if (const auto span =
-                 visible_span(shown.transfer_function, bar_.value_or(DataRange{range.low, range.high}))) {
+  } else if (shown.mode != Mode::surface) {
+    const TransferFunction& tf = shown.transfer_function;
+    // Integrals are no values of voxels: what is shown of them is the function's.
+    const DataRange values =
+        shown.mode == Mode::sum ? ends_of(tf) : bar_.value_or(DataRange{range.low, range.high});
+    const bool hounsfield = notes_.quantity.empty() && notes_.modality == "CT" && shown.mode != Mode::sum;
     // As many letters as have room beside the picture's middle.
-    const bool hounsfield = notes_.quantity.empty() && notes_.modality == "CT";
     const auto quantity = excerpt(hounsfield ? "HU" : notes_.quantity, 28);
-    add_colour_bar(sheet, bottom, shown.transfer_function, *span, quantity);
+    if (const auto span = visible_span(tf, values)) add_colour_bar(sheet, bottom, tf, *span, quantity);
   }
   return sheet.take();
 }

@@ -190,6 +190,17 @@ fs::path find_ffmpeg(const std::string& output) {
 }  // namespace
 
 std::string why_empty(const FrameResult& result, const ValueRange& range) {
+  const Shown& shown = result.spec.shown;
+  if (shown.mode != Mode::composite) {
+    const auto& rgba = result.image.rgba;
+    for (std::size_t k = 3; k < rgba.size(); k += 4)
+      if (rgba[k] > 0) return {};
+    if (shown.mode == Mode::surface)
+      return fmt::format(
+          "the picture is empty: no ray meets a surface of --isovalue {:g}; the volume's values "
+          "run from {:g} to {:g}",
+          shown.isovalue, plain(range.low), plain(range.high));
+  }
   const NodeStats sum = result.stats.total();
   if (sum.splats_drawn > 0) return {};
   const TransferFunction& tf = result.spec.shown.transfer_function;
@@ -224,7 +235,9 @@ std::string why_nearly_empty(const FrameResult& result) {
   double sum = 0;
   for (std::size_t k = 3; k < rgba.size(); k += 4) sum += double(rgba[k]);
   const double opacity = rgba.empty() ? 0 : 4 * sum / double(rgba.size());  // in the mean
-  if (result.stats.total().splats_drawn == 0 || opacity >= least_mean_opacity) return {};
+  if (result.spec.shown.mode != Mode::composite || result.stats.total().splats_drawn == 0 ||
+      opacity >= least_mean_opacity)
+    return {};
   return fmt::format(
       "the picture is nearly empty: its pixels stop {:.2g} of the light in the mean; hint: try --opacity {}, "
       "a larger --zoom{}",
