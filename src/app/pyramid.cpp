@@ -20,6 +20,7 @@
 #include "ringsplat/formats/open.hpp"
 #include "ringsplat/volume/reduced.hpp"
 #include "volume/clipped.hpp"
+#include "volume/forwarding_source.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -73,13 +74,14 @@ struct Block {
   std::unique_ptr<VolumeSource> finer, voxels;
 };
 
-/// Of the level before this one it reads what the filter reaches.
-Block half_of(const fs::path& finer, const VoxelBox& block, const Reduction& halving) {
+/// Of the level before this one it reads what the filter reaches. `notes`: the volume's, which that lacks.
+Block half_of(const fs::path& finer, const VoxelBox& block, const Reduction& halving,
+              const VolumeNotes& notes) {
   VolumeChoice part{.memory = std::numeric_limits<double>::infinity()};
   part.crop = [&](const Grid& grid) {
     return VoxelBox{glm::max(2 * block.first - 2, 0), glm::min(2 * block.end + 2, grid.dims)};
   };
-  Block half{ringsplat::open_volume(finer, {}, part), nullptr};
+  Block half{with_notes(ringsplat::open_volume(finer, {}, part), notes), nullptr};
   const glm::ivec3 first = glm::min(block.first, 1);
   half.voxels = clipped_source(reduced_source(*half.finer, halving), VoxelBox{first, first + block.dims()});
   return half;
@@ -105,9 +107,10 @@ Plan plan_of_finest(const ZarrLevel& level, const VolumeOptions& o, OpenedVolume
 }
 
 /// The source keeps a layer of the finer level and four of its slices.
-Plan plan_of_half(const ZarrLevel& level, const ZarrLevel& finer, const Reduction& halving) {
+Plan plan_of_half(const ZarrLevel& level, const ZarrLevel& finer, const Reduction& halving,
+                  const VolumeNotes& notes) {
   return {level.blocks(room / (level.layer_depth() + 4.0 * (finer.layer_depth() + 4))),
-          [&](const VoxelBox& block) { return half_of(finer.folder(), block, halving); }};
+          [&](const VoxelBox& block) { return half_of(finer.folder(), block, halving, notes); }};
 }
 
 /// This rank's part of a level: consecutive layers, block by block, each of which is left out if it is there.
@@ -144,8 +147,10 @@ ExitCode run(const PyramidOptions& o, Launch& launch) {
     launch.check_on_rank_0([&] { level.begin(); });
     agree_after(launch.collectives(), [&] {
       if (launch.rank() >= parts) return;
-      write_part(level, finer ? plan_of_half(level, *finer, halving) : plan_of_finest(level, finest, volume),
-                 launch.rank(), parts, progress);
+      write_part(
+          level,
+          finer ? plan_of_half(level, *finer, halving, volume.notes) : plan_of_finest(level, finest, volume),
+          launch.rank(), parts, progress);
     });
     finer = level;
   }

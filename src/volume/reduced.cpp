@@ -62,7 +62,7 @@ class HalvedSource final : public ForwardingSource {
             std::size_t(std::clamp(2 * y - 1 + i % taps, 0, dims.y - 1)) * std::size_t(dims.x);
         const double weight = weights[std::size_t(i / taps)] * weights[std::size_t(i % taps)];
         for (std::size_t x = 0; x < column.size(); ++x)
-          column[x] += weight * static_cast<double>(load<T>(slices[std::size_t(i / taps)], row + x));
+          column[x] += weight * number(static_cast<double>(load<T>(slices[std::size_t(i / taps)], row + x)));
       }
       for (int x = 0; x < grid().dims.x; ++x, ++to) {
         double sum = 0;
@@ -87,8 +87,8 @@ class HalvedSource final : public ForwardingSource {
     for (int k = 2 * z; k < std::min(2 * z + 2, dims.z); ++k) {
       for (int j = 2 * y; j < std::min(2 * y + 2, dims.y); ++j) {
         for (int i = 2 * x; i < std::min(2 * x + 2, dims.x); ++i) {
-          const auto value = static_cast<double>(load<T>(
-              slices[std::size_t(k - 2 * z + 1)], std::size_t(j) * std::size_t(dims.x) + std::size_t(i)));
+          const double value = number(static_cast<double>(load<T>(
+              slices[std::size_t(k - 2 * z + 1)], std::size_t(j) * std::size_t(dims.x) + std::size_t(i))));
           if (std::isnan(value)) continue;
           cell.low = std::min(cell.low, value);
           cell.high = std::max(cell.high, value);
@@ -100,15 +100,20 @@ class HalvedSource final : public ForwardingSource {
     return cell;
   }
 
+  /// The value where there are no data is none.
+  double number(double value) const { return value == fill_ ? none : value; }
+
   /// If a tap is not a number, the cell's mean is used instead.
   template <class T>
-  static T limited(double filtered, const Cell& cell) {
-    if (cell.count == 0) return static_cast<T>(std::numeric_limits<double>::quiet_NaN());
+  T limited(double filtered, const Cell& cell) const {
+    if (cell.count == 0) return static_cast<T>(fill_);
     const double value =
         std::isfinite(filtered) ? std::clamp(filtered, cell.low, cell.high) : cell.sum / cell.count;
     return static_cast<T>(std::is_floating_point_v<T> ? value : std::round(value));
   }
 
+  static constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  const double fill_ = notes().fill.value_or(none);
   std::map<int, std::vector<std::byte>> kept_;  ///< slices of the full volume
 };
 

@@ -8,6 +8,7 @@
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/memory_source.hpp"
+#include "volume/forwarding_source.hpp"
 
 using namespace ringsplat;
 
@@ -109,6 +110,17 @@ TEST_CASE("where not-a-number is near a prefiltered voxel is the mean of its num
   CHECK(filtered[1] == Approx((2 + 3 + 7 + 8 + 17 + 18 + 22 + 23) / 8.0));
   CHECK(filtered.back() == 44);
   CHECK(std::isnan(reduced(grid, std::vector<float>(45, values[1]), {4, true})[0]));
+}
+
+TEST_CASE("voxels without data, by the fill value, take no part in a prefiltered one") {
+  const auto grid = float_grid({4, 2, 2});
+  const std::vector<float> values{1, -9999, -9999, -9999, 3, 5, -9999, -9999,
+                                  1, 1,     -9999, -9999, 1, 2, -9999, -9999};
+  const auto full = with_notes(memory_source(grid, std::as_bytes(std::span(values))), {.fill = -9999.0});
+  std::vector<float> out(2);
+  reduced_source(*full, {2, true})->read_slices(0, 1, std::as_writable_bytes(std::span(out)));
+  CHECK(out[0] == Approx(14 / 7.0));
+  CHECK(out[1] == -9999);
 }
 
 TEST_CASE("prefiltered integers are rounded to the nearest and do not wrap") {
