@@ -156,6 +156,25 @@ def test_a_dataset_and_times_are_refused():
         rs.render(data)
 
 
+def test_options_of_files_are_refused_for_arrays():
+    for option in (dict(frame=1), dict(channel=0), dict(series="a"), dict(type="uint8"), dict(crop="0:4,:,:")):
+        with pytest.raises(rs.InputError, match="an array is a volume by itself"):
+            rs.render(blob((6, 7, 8)), size=16, **option)
+
+
+def test_an_offset_changes_no_picture():
+    volume = blob((20, 22, 24), "float64")
+    shown = np.asarray(rs.render(volume, size=48, tf="grey"))
+    for offset in (1e5, 1e8):
+        assert np.abs(np.asarray(rs.render(volume + offset, size=48, tf="grey")) - shown).max() < 0.01
+
+
+def test_numbers_are_the_same_in_all_qualities():
+    volume = 200 + 100 * blob((20, 22, 24), "float32")
+    best, draft = (np.asarray(rs.render(volume, size=48, mode="mip", values=True, quality=q)) for q in ("best", "draft"))
+    assert np.array_equal(best, draft) and best.max() > 200
+
+
 def test_paths_take_the_options_of_files(tmp_path):
     array = np.stack([blob((6, 7, 8), seed=seed) for seed in range(5)])
     np.save(tmp_path / "series.npy", array)

@@ -106,6 +106,12 @@ Strides strides_of(const std::array<std::int64_t, 3>& xyz) { return {xyz[0], xyz
 void set_volume(app::VolumeOptions& options, const std::optional<ArrayVolume>& array,
                 const std::string& name) {
   options.path = name;
+  const VolumeChoice& choice = options.choice;
+  const RawDescription& raw = options.raw;
+  if (array && (choice.frame || !choice.channel.empty() || !choice.series.empty() || choice.memory ||
+                choice.crop || raw.dims || raw.type || raw.big_endian || raw.offset))
+    throw InputError("an array is a volume by itself, of which nothing is chosen as of a file",
+                     "leave out frame, channel, series, memory, crop, dims, type, endian and offset");
   if (array)
     options.opener = [array = *array](const VolumeChoice&) { return std::make_unique<ArraySource>(array); };
 }
