@@ -283,12 +283,13 @@ std::vector<Judged> FrameOutput::judge(Launch& launch) {
   if (!launch.of_rank_0(!open.empty())) return judged;
   progress_.begin("measuring errors", double(open.size()));
   measure_together(job_, launch, [&](truth::Scene& scene, const Measure& measure) {
-    scene.poll = [&](double done) { progress_.at(double(judged.size()) + done); };
     for (KeptFrame* const kept : open) {
+      scene.poll = [&](double done) { progress_.at(double(judged.size()) + done); };
       const auto& [result, file, volume, range] = kept->frame;
       scene.frame = result.spec;
       scene.frame.how = options_.frame.how;  // an error budget may have chosen a cheaper one
       kept->error = measure(kept->frame.result.image);
+      scene.poll = {};
       if (!options_.budget.max_error) kept->of_level = level_error(result.image, scene, options_);
       judged.push_back({result.spec, file.string(), kept->error->held()});
     }

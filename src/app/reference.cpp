@@ -12,6 +12,7 @@
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
+#include "program/progress.hpp"
 #include "program/text_output.hpp"
 #include "study/error_budget.hpp"
 #include "volume/synth.hpp"
@@ -58,12 +59,16 @@ ExitCode run(const ReferenceOptions& o) {
   const auto pixels = truth::all_pixels(spec.shown.width, spec.shown.height);
   std::FILE* const results = is_stdout(o.picture.transfer_function_out) ? stderr : stdout;
   if (!made.said.empty()) fmt::print(results, "{}\n", made.said);
+  Progress progress(false, results);
+  scene.poll = [&](double done) { progress.at(done); };
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     spec.shown.camera = cameras[k];
     scene.frame = spec;
     const double start = now_seconds();
+    progress.begin("evaluating the truth", 1);
     const Image image = truth::to_image(spec.shown.width, spec.shown.height,
                                         evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
+    progress.end();
     write_image(image, file_of_view(o.picture, o.picture.output, k), o.picture.background,
                 settings_text(spec, o));
     fmt::print(results, "{}  {:.2f} s  {} truth\n", file_of_view(o.picture, o.picture.output, k).string(),

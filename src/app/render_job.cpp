@@ -220,6 +220,11 @@ FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launc
     if (!made.said.empty() && !simulated()) progress.print(made.said);
   });
   if (launch.rank() == 0) frame.shown.tints = tints_of(o.volume.mask, scene.labels);
+  const bool masked = !o.volume.mask.path.empty() && o.volume.mask.covered == Covered::alone;
+  if (launch.rank() == 0 && masked && !(scene.values.range.low < scene.values.range.high))
+    log_warning(
+        "{} covers nothing of the volume, or one value alone; hint: ringsplat info says where both lie",
+        o.volume.mask.path);
   if (o.budget.max_error && keep_budget(job, scene, frame, progress, launch))
     scene = reload(job, progress, launch);
   const Histogram& without_outliers = scene.values.histogram;

@@ -71,6 +71,8 @@ TEST_CASE("auto leaves a fill value clear, whether the file names it or not, and
       CHECK(made.range.high < 60);
       if (!noted) CHECK(made.function.evaluate(double(float(fill))).opacity == 0);
       if (!noted) CHECK(says(made.why, "left clear"));
+      // An axis over the function resolves the data.
+      if (!noted) CHECK(ends_of(made.function).high - ends_of(made.function).low < 500);
       if (!noted) require_useful(volume, made);
       if (noted) CHECK(volume.statistics().fill_voxels > side * side);
     }
@@ -174,6 +176,15 @@ TEST_CASE("auto takes logarithmic steps over many decades") {
   const double middle = made.function.evaluate(std::sqrt(low * high)).opacity;
   CHECK(middle > 0.01);
   CHECK(middle < 0.9 * made.function.evaluate(high).opacity);
+}
+
+TEST_CASE("zeros do not count as positive on a logarithmic axis") {
+  const Volume<float> decay([](double x, double y, double z) {
+    return radius(x, y, z) > 0.8 ? 0 : 1000 * std::exp(-8 * radius(x, y, z));
+  });
+  CHECK(positive_range(decay.statistics()).low > 0.1);
+  CHECK(decay.choice().range.low > -1);
+  CHECK_FALSE(says(decay.choice().why, "43 decades"));
 }
 
 TEST_CASE(
