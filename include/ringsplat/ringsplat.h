@@ -49,7 +49,7 @@ int ringsplat_update_block(ringsplat_session* session, int block, const void* fi
 int ringsplat_commit(ringsplat_session* session);
 
 /* Draws the volume and has rank 0 write the picture. `options`: those of `ringsplat render` that describe a
- * picture, as "--tf=mr-soft --size=800x600", with blanks between; rank 0's count. Collective. */
+ * picture, each as --name=value, as in "--tf=mr-soft --size=800x600"; rank 0's count. Collective. */
 int ringsplat_render(ringsplat_session* session, const char* options, const char* file);
 
 /* Draws the pictures that a TOML file asks for after this step, of the blocks as they are now. The file is read
