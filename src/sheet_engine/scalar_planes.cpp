@@ -38,7 +38,8 @@ void convert(const std::byte* from, auto count, const PlaneCode& code, Number* t
   const bool as_stored = code.scale == 1 && !code.bounded();
   for (int i = 0; i < count; ++i) {
     if constexpr (std::is_same_v<Number, float> && std::is_same_v<T, float>)
-      to[i] = as_stored && !std::isinf(values[i]) ? values[i] : coded<Number>(code, values[i]);
+      to[i] = as_stored && code.offset == 0 && !std::isinf(values[i]) ? values[i]
+                                                                      : coded<Number>(code, values[i]);
     else if constexpr (std::is_integral_v<T> && sizeof(T) <= 2 && std::is_integral_v<Number>)
       to[i] =
           as_stored ? static_cast<Number>(int(values[i]) - int(code.offset)) : coded<Number>(code, values[i]);

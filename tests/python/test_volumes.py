@@ -162,11 +162,17 @@ def test_options_of_files_are_refused_for_arrays():
             rs.render(blob((6, 7, 8)), size=16, **option)
 
 
-def test_an_offset_changes_no_picture():
-    volume = blob((20, 22, 24), "float64")
-    shown = np.asarray(rs.render(volume, size=48, tf="grey"))
-    for offset in (1e5, 1e8):
-        assert np.abs(np.asarray(rs.render(volume + offset, size=48, tf="grey")) - shown).max() < 0.01
+@pytest.mark.parametrize("dtype, offset", [("float32", 300), ("float64", 1e5), ("float64", 1e8)])
+def test_an_offset_changes_no_picture(dtype, offset):
+    volume = blob((20, 22, 24), dtype)
+    for options in (dict(tf="grey"), dict(mode="mip"), dict(mode="surface", isovalue=0.4), dict(slice="z=8")):
+        options["range"] = (0, 1.5)
+        moved = {**options, "range": (offset, 1.5 + offset)}
+        if "isovalue" in options:
+            moved["isovalue"] += offset
+        shown = np.asarray(rs.render(volume, size=48, **options))
+        other = np.asarray(rs.render((volume + offset).astype(dtype), size=48, **moved))
+        assert np.abs(shown - other).max() < 0.01, options
 
 
 def test_numbers_are_the_same_in_all_qualities():
