@@ -1,8 +1,14 @@
+#include <algorithm>
+#include <limits>
+#include <type_traits>
+
 #include "base/log.hpp"
 #include "base/printable.hpp"
 #include "base/srgb.hpp"
 #include "classify/auto_preset.hpp"
 #include "options/option_tables.hpp"
+#include "volume/forwarding_source.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -19,10 +25,39 @@ Reader count_or_auto(std::optional<int>& count, std::vector<bool*> choices) {
 
 ScalarType parse_type(const std::string& text, const std::string&) { return scalar_type_from(text); }
 
+/// Of floating-point numbers with a fill value: voxels without data are not a number, so that nothing is
+/// interpolated, summed or averaged with them.
+class UnfilledSource final : public ForwardingSource {
+ public:
+  UnfilledSource(std::unique_ptr<VolumeSource> source, VolumeNotes notes)
+      : ForwardingSource(std::move(source), {}, without_fill(notes)), fill_(*notes.fill) {}
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    ForwardingSource::read_slices(first, count, out);
+    visit_type(grid().type, [&](auto zero) {
+      using T = decltype(zero);
+      if constexpr (std::is_floating_point_v<T>) {
+        auto* const values = reinterpret_cast<T*>(out.data());
+        std::replace(values, values + out.size() / sizeof(T), T(fill_), std::numeric_limits<T>::quiet_NaN());
+      }
+    });
+  }
+
+ private:
+  static VolumeNotes without_fill(VolumeNotes notes) {
+    notes.fill.reset();
+    return notes;
+  }
+  const double fill_;
+};
+
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& o) {
   auto volume = o.opener ? o.opener(o.choice) : ringsplat::open_volume(o.path, o.raw, o.choice);
+  const VolumeNotes notes = volume->notes();
+  const ScalarType type = volume->grid().type;
+  if (notes.fill && (type == ScalarType::float32 || type == ScalarType::float64))
+    volume = std::make_unique<UnfilledSource>(std::move(volume), notes);
   if (o.mask.path.empty()) return volume;
   return segmented_source(std::move(volume), ringsplat::open_volume(o.mask.path), o.mask.labels,
                           o.mask.covered);

@@ -53,7 +53,7 @@ def test_channels_are_added_as_by_the_program(exr_of, npy, tmp_path):
     assert len(pictures) == 2 and np.asarray(pictures[1]).shape == np.asarray(alone).shape
     with pytest.raises(rs.InputError, match="several channels has no error"):
         image.error()
-    with pytest.raises(rs.InputError, match="one value a voxel"):
+    with pytest.raises(rs.InputError, match="an array is a volume by itself"):
         rs.render(blob((8, 8, 8)), size=16, channel=[0, 1])
 
 
