@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "base/log.hpp"
 #include "base/printable.hpp"
@@ -29,8 +30,9 @@ ScalarType parse_type(const std::string& text, const std::string&) { return scal
 /// interpolated, summed or averaged with them.
 class UnfilledSource final : public ForwardingSource {
  public:
-  UnfilledSource(std::unique_ptr<VolumeSource> source, VolumeNotes notes)
-      : ForwardingSource(std::move(source), {}, without_fill(notes)), fill_(*notes.fill) {}
+  /// `notes`: the source's, without the fill value.
+  UnfilledSource(std::unique_ptr<VolumeSource> source, VolumeNotes notes, double fill)
+      : ForwardingSource(std::move(source), {}, std::move(notes)), fill_(fill) {}
   void read_slices(int first, int count, std::span<std::byte> out) override {
     ForwardingSource::read_slices(first, count, out);
     visit_type(grid().type, [&](auto zero) {
@@ -43,10 +45,6 @@ class UnfilledSource final : public ForwardingSource {
   }
 
  private:
-  static VolumeNotes without_fill(VolumeNotes notes) {
-    notes.fill.reset();
-    return notes;
-  }
   const double fill_;
 };
 
@@ -54,10 +52,10 @@ class UnfilledSource final : public ForwardingSource {
 
 std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& o) {
   auto volume = o.opener ? o.opener(o.choice) : ringsplat::open_volume(o.path, o.raw, o.choice);
-  const VolumeNotes notes = volume->notes();
-  const ScalarType type = volume->grid().type;
-  if (notes.fill && (type == ScalarType::float32 || type == ScalarType::float64))
-    volume = std::make_unique<UnfilledSource>(std::move(volume), notes);
+  if (VolumeNotes notes = volume->notes(); notes.fill && !is_whole(volume->grid().type)) {
+    const double fill = *std::exchange(notes.fill, std::nullopt);
+    volume = std::make_unique<UnfilledSource>(std::move(volume), std::move(notes), fill);
+  }
   if (o.mask.path.empty()) return volume;
   return segmented_source(std::move(volume), ringsplat::open_volume(o.mask.path), o.mask.labels,
                           o.mask.covered);

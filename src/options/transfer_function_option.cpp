@@ -13,6 +13,7 @@
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -38,7 +39,7 @@ void clear_noted_fill(TransferFunction& tf, const ValueStatistics& values) {
   else if (*fill > values.range.high)
     clear_above(tf, beside(*fill, {values.range.low, values.range.high}));
   else
-    clear_at(tf, *fill, values.grid.type != ScalarType::float32 && values.grid.type != ScalarType::float64);
+    clear_at(tf, *fill, is_whole(values.grid.type));
 }
 
 }  // namespace

@@ -20,6 +20,7 @@
 #include "sheet_engine/sheet_rays.hpp"
 #include "sheet_engine/slab_table.hpp"
 #include "sheet_engine/visible_tiles.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat {
 namespace {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "volume/scalars.hpp"
+
 namespace ringsplat {
 namespace {
 

@@ -36,11 +36,6 @@ struct TableAxis {
   std::vector<double> corners_;  ///< values where the slope changes, ascending
 };
 
-/// Whether values are whole numbers.
-constexpr bool is_whole(ScalarType type) {
-  return type != ScalarType::float32 && type != ScalarType::float64;
-}
-
 /// How stored values become the numbers of a Renderer's planes: (value - offset) · scale, as whole numbers of
 /// 16 bits or as floats.
 struct PlaneCode {

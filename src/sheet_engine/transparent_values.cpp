@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "classify/adjust.hpp"
-#include "sheet_engine/table_axis.hpp"
+#include "volume/scalars.hpp"
 
 namespace ringsplat {
 namespace {

@@ -11,6 +11,11 @@
 
 namespace ringsplat {
 
+/// Whether values are whole numbers.
+constexpr bool is_whole(ScalarType type) {
+  return type != ScalarType::float32 && type != ScalarType::float64;
+}
+
 /// The i-th scalar of a row at any address.
 template <class T>
 T load(const std::byte* row, std::size_t i) {

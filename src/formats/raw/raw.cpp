@@ -99,8 +99,7 @@ std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const 
            grid.dims.z, to_string(grid.type), grid.bytes(), offset, actual > offset ? actual - offset : 0);
   const StoredVoxels voxels{
       .file = path, .offset = offset, .big_endian = raw.big_endian.value_or(false), .type = grid.type};
-  if (grid.type == ScalarType::float32 || grid.type == ScalarType::float64)
-    warn_of_byte_order(InputFile(path), voxels, grid.bytes());
+  if (!is_whole(grid.type)) warn_of_byte_order(InputFile(path), voxels, grid.bytes());
   return stored_source(grid, {voxels});
 }
 
