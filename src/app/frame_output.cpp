@@ -203,7 +203,7 @@ std::string why_empty(const FrameResult& result, const ValueRange& range) {
   }
   const NodeStats sum = result.stats.total();
   if (sum.splats_drawn > 0) return {};
-  const TransferFunction& tf = result.spec.shown.transfer_function;
+  const TransferFunction& tf = shown.transfer_function;
   const auto span = visible_span(tf, {tf.opacities.front().value, tf.opacities.back().value});
   const std::string opaque =
       span ? fmt::format("from {:g} to {:g}", plain(span->low), plain(span->high)) : "nowhere";
@@ -213,7 +213,7 @@ std::string why_empty(const FrameResult& result, const ValueRange& range) {
         "the picture is empty: transfer function '{}' is opaque {}, but the volume's values run from {:g} to "
         "{:g}; hint: try --tf auto",
         tf.name, opaque, low, high);
-  if (sum.visible_voxels + sum.voxels_outside == 0 && !result.spec.shown.clip_planes.empty())
+  if (sum.visible_voxels + sum.voxels_outside == 0 && !shown.clip_planes.empty())
     return "the picture is empty: clip planes leave nothing of the volume that is visible; hint: distances "
            "count from its middle, and directions point to what is left";
   if (sum.visible_voxels + sum.voxels_outside == 0)
@@ -283,13 +283,12 @@ std::vector<Judged> FrameOutput::judge(Launch& launch) {
   if (!launch.of_rank_0(!open.empty())) return judged;
   progress_.begin("measuring errors", double(open.size()));
   measure_together(job_, launch, [&](truth::Scene& scene, const Measure& measure) {
+    scene.poll = [&](double done) { progress_.at(double(judged.size()) + done); };
     for (KeptFrame* const kept : open) {
-      scene.poll = [&](double done) { progress_.at(double(judged.size()) + done); };
       const auto& [result, file, volume, range] = kept->frame;
       scene.frame = result.spec;
       scene.frame.how = options_.frame.how;  // an error budget may have chosen a cheaper one
       kept->error = measure(kept->frame.result.image);
-      scene.poll = {};
       if (!options_.budget.max_error) kept->of_level = level_error(result.image, scene, options_);
       judged.push_back({result.spec, file.string(), kept->error->held()});
     }

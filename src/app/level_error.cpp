@@ -40,6 +40,7 @@ std::string level_error(const Image& picture, const truth::Scene& shown, const R
   constexpr double enough = 1 << 27;
   const double most = std::min(enough, options.volume.choice.memory.value_or(enough)) / sizeof(double);
   truth::Scene level = shown;
+  level.poll = {};  // which tells how far the picture's own error is
   VoxelBox part = shown.frame.shown.clip.value_or(whole_box(shown.grid));
   const glm::dvec3 dims(part.dims()), fine_dims = dims * glm::dvec3(coarser);
   const double kept = std::cbrt(std::min(1.0, most / (fine_dims.x * fine_dims.y * fine_dims.z)));

@@ -58,8 +58,8 @@ ExitCode run(const ReferenceOptions& o) {
   truth::Scene& scene = volume.scene;
   const auto pixels = truth::all_pixels(spec.shown.width, spec.shown.height);
   std::FILE* const results = is_stdout(o.picture.transfer_function_out) ? stderr : stdout;
-  if (!made.said.empty()) fmt::print(results, "{}\n", made.said);
   Progress progress(false, results);
+  if (!made.said.empty()) progress.print(made.said);
   scene.poll = [&](double done) { progress.at(done); };
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     spec.shown.camera = cameras[k];
@@ -71,8 +71,9 @@ ExitCode run(const ReferenceOptions& o) {
     progress.end();
     write_image(image, file_of_view(o.picture, o.picture.output, k), o.picture.background,
                 settings_text(spec, o));
-    fmt::print(results, "{}  {:.2f} s  {} truth\n", file_of_view(o.picture, o.picture.output, k).string(),
-               now_seconds() - start, name(o.truth));
+    progress.print(fmt::format("{}  {:.2f} s  {} truth",
+                               file_of_view(o.picture, o.picture.output, k).string(), now_seconds() - start,
+                               name(o.truth)));
   }
   return ExitCode::done;
 }

@@ -7,6 +7,7 @@
 
 #include "app/views.hpp"
 #include "base/log.hpp"
+#include "base/printable.hpp"
 #include "images/image_file.hpp"
 #include "images/image_io.hpp"
 #include "net/launcher.hpp"
@@ -219,12 +220,15 @@ FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launc
       write_text_output(o.transfer_function_out, to_paraview_json(function));
     if (!made.said.empty() && !simulated()) progress.print(made.said);
   });
-  if (launch.rank() == 0) frame.shown.tints = tints_of(o.volume.mask, scene.labels);
-  const bool masked = !o.volume.mask.path.empty() && o.volume.mask.covered == Covered::alone;
-  if (launch.rank() == 0 && masked && !(scene.values.range.low < scene.values.range.high))
-    log_warning(
-        "{} covers nothing of the volume, or one value alone; hint: ringsplat info says where both lie",
-        o.volume.mask.path);
+  const ShownLabels& mask = o.volume.mask;
+  const bool hides = !mask.path.empty() && mask.covered == Covered::alone;
+  if (launch.rank() == 0) {
+    frame.shown.tints = tints_of(mask, scene.labels);
+    if (hides && !(scene.values.range.low < scene.values.range.high))
+      log_warning(
+          "{} covers nothing of the volume, or one value alone; hint: ringsplat info says where both lie",
+          printable(mask.path));
+  }
   if (o.budget.max_error && keep_budget(job, scene, frame, progress, launch))
     scene = reload(job, progress, launch);
   const Histogram& without_outliers = scene.values.histogram;
