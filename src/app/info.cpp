@@ -197,7 +197,7 @@ std::string to_text(const InfoOptions& o, const Found& found) {
     text += fmt::format("{:<11}{}\n", name, value);
   };
   row("volume", o.picture.volume.path);
-  if (const auto clip = clip_box(o.picture.clip, whole))
+  if (const auto clip = clip_box(o.picture.clip, whole, values.notes))
     row("clip", fmt::format("{} of {}", text_of(*clip), detail::product_of(whole.dims)));
   row("shape", fmt::format("{}, {} voxels", detail::product_of(grid.dims), grid.voxels()));
   row("type", fmt::format("{}, {} in all", to_string(grid.type), human_bytes(grid.bytes())));
@@ -246,7 +246,7 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
   nlohmann::json j;
   const auto triple = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
   j["volume"] = o.picture.volume.path;
-  if (const auto clip = clip_box(o.picture.clip, whole))
+  if (const auto clip = clip_box(o.picture.clip, whole, values.notes))
     for (int k = 0; k < 3; ++k) j["clip"].push_back({clip->first[k], clip->end[k]});
   j["dims"] = triple(grid.dims);
   j["voxels"] = grid.voxels();
@@ -298,7 +298,7 @@ Foreseen foresee(const InfoOptions& o, VolumeSource& source, Progress& progress)
     log_info("{}", note);
   }
   const auto cameras = views_of(picture);
-  picture.frame.shown.clip = clip_box(picture.clip, source.grid());
+  picture.frame.shown.clip = clip_box(picture.clip, source.grid(), source.notes());
   const int cores = o.cores > 0 ? o.cores : int(allowed_cores().size());
   Foreseen f;
   f.described = !o.machine.empty();
@@ -377,7 +377,7 @@ ExitCode run(const InfoOptions& o) {
   }
   Progress progress;
   WatchedSource source(open_volume(o.picture.volume), [&](int slices) { progress.at(slices); });
-  const auto clip = clip_box(o.picture.clip, source.grid());
+  const auto clip = clip_box(o.picture.clip, source.grid(), source.notes());
   const auto part = clipped_source(source, clip.value_or(whole_box(source.grid())));
   const Found found{source.grid(), part->grid(), read_values(clip ? *part : source, progress),
                     source.concurrent(), channels_of(o.picture.volume, source.notes())};

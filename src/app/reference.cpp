@@ -49,7 +49,7 @@ ExitCode run(const ReferenceOptions& o) {
   const auto cameras = views_of(picture);
   WholeVolume volume = read_whole(*source);
   FrameSpec spec = picture.frame;
-  spec.shown.clip = clip_box(o.picture.clip, source->grid());
+  spec.shown.clip = clip_box(o.picture.clip, source->grid(), source->notes());
   const MadeFunction made = choice.make(volume.statistics, spec.shown);
   spec.shown.tints = tints_of(o.picture.volume.mask, volume.labels);
   check(spec);

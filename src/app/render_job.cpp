@@ -130,7 +130,8 @@ void find_volumes(Job& job, Launch& launch) {
   if (o.frames && !o.output.empty()) launch.check_on_rank_0([&] { refuse_replacing_volumes(o, job.series); });
   o.volume = job.part(0);
   job.volume = open(o.volume, launch);
-  launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, job.volume.grid); });
+  launch.check_on_rank_0([&] { o.frame.shown.clip = clip_box(o.clip, job.volume.grid, job.volume.notes); });
+  o.frame.shown.clip = launch.of_rank_0(o.frame.shown.clip);
 }
 
 void check_outputs(const RenderOptions& o) {

@@ -317,7 +317,7 @@ int faces_to(double number, const Part& part, Axis axis, const ClipText& clip, c
                                        : std::ceil(number / voxel - 0.5);
   if (!(faces >= 0 && faces <= last - int(part.slice)))
     refuse(clip.option, axis, part, "does not lie within the volume",
-           part.distances ? fmt::format("it is {:g} mm long there, from 0", last * voxel)
+           part.distances ? fmt::format("it is {:g} long there, in the file's units", last * voxel)
                           : fmt::format("it has voxels 0:{} there", last));
   return static_cast<int>(faces);
 }
@@ -382,6 +382,12 @@ ClipPlane parse_clip_plane(std::string_view text, const std::string& option) {
                      "give NX,NY,NZ,D: a direction, and how far along it from the volume's middle the plane "
                      "is; for instance 0,1,0,0");
   return {{(*n)[0], (*n)[1], (*n)[2]}, (*n)[3]};
+}
+
+std::optional<VoxelBox> clip_box(const BoxOf& clip, const Grid& grid, const VolumeNotes& notes) {
+  if (!clip) return std::nullopt;
+  const Grid& counted = notes.finest ? *notes.finest : grid;
+  return box_in_level(clip(counted), counted.dims, grid.dims);
 }
 
 }  // namespace ringsplat::app

@@ -82,10 +82,10 @@ std::string likely_option(const std::string& unknown, const std::vector<std::str
 using BoxOf = std::function<VoxelBox(const Grid&)>;
 
 /// A clip box as people type it, "x0:x1,y0:y1,z0:z1": a part that is empty or has an open end reaches to the
-/// volume's face. Numbers are voxels, x0 the first and x1 the first behind; in a part that ends in "mm", and
-/// in all parts when the last one does, they are distances from the volume's first face along the lattice's
-/// axis, in the file's world units, and voxels count whose centres lie between. Throws InputError that names
-/// the part that is no range.
+/// volume's face. Numbers are voxels, of a pyramid the finest level's, x0 the first and x1 the first behind;
+/// in a part that ends in "mm", and in all parts when the last one does, they are distances from the volume's
+/// first face along the lattice's axis, in the file's world units, and voxels count whose centres lie
+/// between. Throws InputError that names the part that is no range.
 BoxOf parse_clip(const std::string& text, const std::string& option);
 
 /// One slice, "x=40" or "z=12.5mm", and the axis that it lies across. Throws InputError.
@@ -97,9 +97,7 @@ inline std::vector<ClipPlane> parse_clip_planes(const std::string& text, const s
   return detail::mapped(split(text, ":"), [&](auto part) { return parse_clip_plane(part, option); });
 }
 
-/// The box that was typed, if any.
-inline std::optional<VoxelBox> clip_box(const BoxOf& clip, const Grid& grid) {
-  return clip ? std::optional(clip(grid)) : std::nullopt;
-}
+/// The box that was typed, if any, in the grid's voxels.
+std::optional<VoxelBox> clip_box(const BoxOf& clip, const Grid& grid, const VolumeNotes& notes = {});
 
 }  // namespace ringsplat::app

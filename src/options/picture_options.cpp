@@ -127,7 +127,9 @@ void add_clip_options(OptionList& list, RenderOptions& o) {
   list.below("Volume") += {
       {"--clip", "X0:X1,Y0:Y1,Z0:Z1", nullptr,
        "Only these voxels, as if the rest were cut off; from the first to before the last; an empty part or "
-       "end means up to the face; with mm behind a part, or behind all, distances from the first face",
+       "end means up to the face; of a pyramid in voxels of the finest level; with mm behind a part, or "
+       "behind "
+       "all, distances from the first face in the file's units",
        parsed(o.clip, parse_clip)},
       {"--clip-plane", "NX,NY,NZ,D[:...]", nullptr,
        "What lies behind a plane, or one of two, is cut off: a world direction to what is left, and how far "

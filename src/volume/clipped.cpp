@@ -49,6 +49,15 @@ void check(const VoxelBox& box, const Grid& grid) {
   }
 }
 
+VoxelBox box_in_level(const VoxelBox& box, const glm::ivec3& finest, const glm::ivec3& level) {
+  VoxelBox scaled;
+  for (int k = 0; k < 3; ++k) {
+    scaled.first[k] = int(std::int64_t(box.first[k]) * level[k] / finest[k]);
+    scaled.end[k] = int((std::int64_t(box.end[k]) * level[k] + finest[k] - 1) / finest[k]);
+  }
+  return scaled;
+}
+
 Grid clipped_grid(const Grid& grid, const VoxelBox& box) {
   Grid part = grid;
   part.dims = box.dims();

@@ -76,7 +76,7 @@ TEST_CASE("the part of a clip box that is wrong is named, and what is possible")
   CHECK(says(refusal("1 2:3,:,:"), "the x part, '1 2:3', is no range"));
   CHECK(says(refusal("1:2,-3:4,:"), "the y part, '-3:4', does not lie within the volume"));
   CHECK(says(refusal("1:101,:,:"), "it has voxels 0:100 there"));
-  CHECK(says(refusal(":,:,0:122mm"), "it is 120 mm long there"));
+  CHECK(says(refusal(":,:,0:122mm"), "it is 120 long there"));
   CHECK(says(refusal(":,:,1e300:"), "the z part, '1e300:', does not lie"));
   CHECK(says(refusal("1.5:2,:,:"), "no whole number"));
   CHECK(says(refusal(":,9:9,:"), "the y part, '9:9', has no voxel"));

@@ -112,6 +112,25 @@ TEST_CASE("a pyramid's picture has the bits of its volume's", "[mpi]") {
   }
 }
 
+TEST_CASE("boxes and slices count voxels of a pyramid's finest level, whichever is read") {
+  const TemporaryFolder folder;
+  const std::string store = folder / "head.zarr", by_finest = folder / "by_finest.exr",
+                    by_level = folder / "by_level.exr";
+  succeeded(run_program({"pyramid", head, store}));
+  const auto shape = [&](const std::string& memory) {
+    const Ended ended = succeeded(
+        run_program({"info", store, "--clip", "10:91,:,31:33", "--memory", memory, "--crop", "8:120,:,:"}));
+    const auto at = ended.out.find("clip ");
+    return ended.out.substr(at + 11, ended.out.find('\n', at) - at - 11);
+  };
+  CHECK(shape("1G") == "10:91,0:128,31:33 of 112x128x113");
+  CHECK(shape("1M") == "5:46,0:64,15:17 of 56x64x57");
+  succeeded(run_program(
+      {"render", store, "--slice", "z=61", "--memory", "1M", "-o", by_finest, "--size", "64"}, 2));
+  succeeded(run_program({"render", store + "/1", "--slice", "z=30", "-o", by_level, "--size", "64"}));
+  CHECK(same_pictures(by_finest, by_level));
+}
+
 TEST_CASE("--error tells what a pyramid's level costs against its finest one") {
   const TemporaryFolder folder;
   const std::string even = folder / "even_128x120x130_uint8.raw", of_even = folder / "even.zarr",

@@ -38,6 +38,8 @@ struct VolumeNotes {
   /// What --channel can choose from; one for a scalar volume.
   int channels = 1;
   std::vector<ChannelNotes> of_channels = {};  ///< in their order, where it says something of them
+  /// Where a coarser level of a pyramid is read, the same part of the finest, in whose voxels people count.
+  std::optional<Grid> finest = std::nullopt;
   /// What --series can choose from in a DICOM folder, a line each.
   std::vector<std::string> series = {};
 };

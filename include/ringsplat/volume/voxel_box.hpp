@@ -24,6 +24,9 @@ inline bool meet(const VoxelBox& a, const VoxelBox& b) {
 /// Throws InputError that names the axis unless the box has voxels and lies within the volume.
 void check(const VoxelBox& box, const Grid& grid);
 
+/// The voxels of a coarser lattice of `level` voxels along the axes that hold a part of one of `finest`.
+VoxelBox box_in_level(const VoxelBox& box, const glm::ivec3& finest, const glm::ivec3& level);
+
 /// The lattice of the volume cropped to the box, left at its place in the world.
 Grid clipped_grid(const Grid& grid, const VoxelBox& box);
 

@@ -105,16 +105,6 @@ Grid lattice_in(DatasetMeaning& meaning, const std::string& where) {
   return lattice_of(meaning, where);
 }
 
-/// The voxels of a level that hold a part of the finest one.
-VoxelBox box_in_level(const VoxelBox& box, const glm::ivec3& finest, const glm::ivec3& level) {
-  VoxelBox scaled;
-  for (int k = 0; k < 3; ++k) {
-    scaled.first[k] = int(std::int64_t(box.first[k]) * level[k] / finest[k]);
-    scaled.end[k] = int((std::int64_t(box.end[k]) * level[k] + finest[k] - 1) / finest[k]);
-  }
-  return scaled;
-}
-
 Level described_array(Node node) {
   Level level{node, array_of(node), {}};
   describe_axes(node, level.array.shape, level.meaning);
@@ -142,11 +132,11 @@ std::optional<Level> find_level(const Node& group, const Json& image, const std:
     auto level = described_array(*node);
     level.number = k + 1, level.of = levels.size();
     describe(group, image, levels[k], level.meaning);
-    if (choice.crop && !finest) {
+    if (!finest) {
       auto meaning = level.meaning;
       finest = lattice_in(meaning, group.folder.string());
-      const glm::dvec3 parts = glm::dvec3(choice.crop(*finest).dims()) / glm::dvec3(finest->dims);
-      part = parts.x * parts.y * parts.z;
+      if (choice.crop)
+        part = double(clipped_grid(*finest, choice.crop(*finest)).voxels()) / double(finest->voxels());
     }
     level.finest = finest;
     double bytes = part * double(size_of(level.array.type->type));
@@ -202,15 +192,17 @@ std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const
   auto part = choose_part(meaning, array.type->type, choice, where);
   grid.type = array.type->type;
   if (choice.crop) {
-    const Grid& whole = finest.value_or(grid);
-    const VoxelBox box = box_in_level(choice.crop(whole), whole.dims, grid.dims);
+    const Grid whole = finest.value_or(grid);
+    const VoxelBox wanted = choice.crop(whole), box = box_in_level(wanted, whole.dims, grid.dims);
     grid = clipped_grid(grid, box);
+    finest = clipped_grid(whole, wanted);
     for (int k = 0; k < 3; ++k)
       if (const int axis = part.lattice[std::size_t(k)]; axis >= 0) {
         part.first[std::size_t(axis)] += box.first[k];
         part.end[std::size_t(axis)] = part.first[std::size_t(axis)] + box.dims()[k];
       }
   }
+  meaning.notes.finest = finest;
   const Grid read = interleaved_grid(grid, part.components, where);
   require_chunks(node, read.bytes());
   Facts facts{{"encoding", node.n5 ? "N5" : "Zarr"}};
