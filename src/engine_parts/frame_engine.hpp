@@ -52,6 +52,7 @@ struct SharedFrame {
               RegionDealer* dealer);
 
   std::int64_t number = 0;
+  std::size_t volume = 0;  ///< that it shows
   Shown shown;
   FrameGeometry geometry;
   std::vector<int> drawers;  ///< by region of the geometry: the Renderer that draws it, or nobody
@@ -159,20 +160,20 @@ class FramePainter : public Painter {
 };
 
 /// One rank's engine of one method, whose frames are SharedFrames and more. `Kept`: what a GP keeps from
-/// frame to frame, one for each level of its store.
+/// frame to frame, one for each volume and each level of its store.
 template <class Frame, class Kept>
 class FrameEngine : public Engine {
  public:
-  explicit FrameEngine(const EngineSetup& setup) : setup_(setup), dealer_(setup) {}
+  explicit FrameEngine(const EngineSetup& setup) : setup_(setup) {
+    for (std::size_t k = 0; k <= setup.others.size(); ++k) {
+      volumes_.push_back(setup.of_volume(k));
+      dealers_.emplace_back(volumes_.back());
+    }
+  }
 
   FramePlan plan(const Announcement& a) override { return frame(a)->plan; }
 
-  std::unique_ptr<Encoder> encoder(int, const Announcement& a) override {
-    auto its = frame(a);
-    auto& kept = kept_[its->shown.reduction.factor];
-    if (!kept) kept = std::make_unique<Kept>();
-    return make_encoder(std::move(its), *kept);
-  }
+  std::unique_ptr<Encoder> encoder(int, const Announcement& a) override { return encoder_of(frame(a)); }
 
   std::shared_ptr<Painter> painter(int renderer, const Announcement& a) override {
     auto& painter = painters_[renderer];
@@ -187,12 +188,20 @@ class FrameEngine : public Engine {
   }
 
  protected:
-  virtual std::shared_ptr<const Frame> make_frame(const FrameSpec& spec) = 0;
+  /// Of one volume, or of several that are drawn as one.
+  virtual std::shared_ptr<const Frame> make_frame(const std::vector<FrameOfVolume>& frames) = 0;
   virtual std::unique_ptr<Encoder> make_encoder(std::shared_ptr<const Frame> frame, Kept& kept) = 0;
   virtual std::unique_ptr<FramePainter<Frame>> make_painter(int renderer) = 0;
 
+  virtual std::unique_ptr<Encoder> encoder_of(std::shared_ptr<const Frame> frame) {
+    auto& kept = kept_[{frame->volume, frame->shown.reduction.factor}];
+    if (!kept) kept = std::make_unique<Kept>();
+    return make_encoder(std::move(frame), *kept);
+  }
+  const SliceStore& slices_of(const Frame& frame) const { return *volumes_[frame.volume].slices; }
+
   const EngineSetup setup_;
-  RegionDealer dealer_;
+  std::vector<RegionDealer> dealers_;  ///< by volume
 
  private:
   /// The announced frame, which is made when it is new. Throws RunError when the bytes are no description of
@@ -203,20 +212,24 @@ class FrameEngine : public Engine {
     constexpr std::size_t most_remembered = 4;
     if (frames_.size() == most_remembered) frames_.pop_front();
     try {
-      const FrameSpec spec = decode_frame_spec(a.body);
-      if (spec.frame != a.frame)
-        throw RunError(
-            fmt::format("rank 0 told of frame {} in a message about frame {}", spec.frame, a.frame));
-      check(spec);
-      return frames_.emplace_back(make_frame(spec));
+      const auto frames = decode_frames(a.body);
+      for (const auto& [volume, spec] : frames) {
+        if (spec.frame != a.frame)
+          throw RunError(
+              fmt::format("rank 0 told of frame {} in a message about frame {}", spec.frame, a.frame));
+        if (volume >= volumes_.size()) throw RunError(fmt::format("rank 0 told of volume {}", volume));
+        check(spec);
+      }
+      return frames_.emplace_back(make_frame(frames));
     } catch (const InputError& e) {
       throw RunError(std::string("rank 0 told of a frame that cannot be: ") + e.what());
     }
   }
 
-  std::deque<std::shared_ptr<const Frame>> frames_;               ///< in flight; the rank's nodes share them
-  std::map<int, std::unique_ptr<Kept>> kept_;                     ///< by level
-  std::map<int, std::shared_ptr<FramePainter<Frame>>> painters_;  ///< by Renderer
+  std::deque<std::shared_ptr<const Frame>> frames_;  ///< in flight; the rank's nodes share them
+  std::vector<EngineSetup> volumes_;                 ///< for each volume alone
+  std::map<std::pair<std::size_t, int>, std::unique_ptr<Kept>> kept_;  ///< by volume and level
+  std::map<int, std::shared_ptr<FramePainter<Frame>>> painters_;       ///< by Renderer
 };
 
 }  // namespace ringsplat

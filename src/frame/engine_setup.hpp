@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "frame/work_estimate.hpp"
 #include "ringsplat/base/image.hpp"
@@ -25,12 +26,26 @@ struct EngineSetup {
   WorkCosts splat_costs = usual_splat_costs, sheet_costs = usual_sheet_costs;
   /// This rank's GP's slices, shared by its engines; an empty store without a GP.
   std::shared_ptr<const SliceStore> slices;
+  /// Sketch and slices of further volumes on the same grid, which frames may show by their numbers, from 1.
+  struct Other {
+    std::shared_ptr<const VolumeSketch> sketch;
+    std::shared_ptr<const SliceStore> slices;
+  };
+  std::vector<Other> others = {};
   int threads = 1;               ///< threads that share a node's work
   std::uint64_t kept_bytes = 0;  ///< of sheets' planes that each Renderer keeps from frame to frame
   bool skip_empty = true;        ///< leave out slices that the transfer function makes transparent
   TakePicture take = {};         ///< called on the frame buffer's rank
 
   SliceDealing dealing() const { return {gps, bundle}; }
+  /// For one of the volumes alone.
+  EngineSetup of_volume(std::size_t number) const {
+    EngineSetup one = *this;
+    one.others.clear();
+    if (number > 0)
+      std::tie(one.sketch, one.slices) = std::tie(others.at(number - 1).sketch, others.at(number - 1).slices);
+    return one;
+  }
 };
 
 }  // namespace ringsplat

@@ -177,7 +177,12 @@ void check_tints(const Shown& shown, const Method& method) {
 }
 
 /// The first byte has the method's index among Method's alternatives, and above it the volume's number.
-constexpr std::size_t most_methods = 4;
+/// One of the frames that an announcement has.
+struct AnnouncedFrame {
+  std::uint64_t volume = 0;
+  Bytes spec;
+};
+void fields(AnnouncedFrame& frame, auto& archive) { archive(frame.volume, frame.spec); }
 
 [[noreturn]] void refuse_bytes() { throw OtherBuild("a frame announcement cannot be read"); }
 
@@ -215,19 +220,28 @@ void check(const FrameSpec& spec) {
   check_tints(spec.shown, spec.how);
 }
 
-Bytes encode(const FrameSpec& spec, std::size_t volume) {
-  return to_bytes(std::uint8_t(volume * most_methods + spec.how.index()), spec);
+Bytes encode(const FrameSpec& spec) { return to_bytes(std::uint8_t(spec.how.index()), spec); }
+
+Bytes encode(const std::vector<FrameOfVolume>& frames) {
+  std::vector<AnnouncedFrame> all;
+  for (const auto& [volume, spec] : frames) all.push_back({volume, encode(spec)});
+  return to_bytes(std::uint8_t(frames.front().spec.how.index()), all);
 }
 
-std::size_t volume_of(std::span<const std::byte> bytes) {
-  return bytes.empty() ? 0 : std::size_t(bytes.front()) / most_methods;
+std::vector<FrameOfVolume> decode_frames(std::span<const std::byte> bytes) {
+  if (bytes.empty()) refuse_bytes();
+  const auto all = from_bytes<std::vector<AnnouncedFrame>>(bytes.subspan(1));
+  if (!all || all->empty()) refuse_bytes();
+  std::vector<FrameOfVolume> frames;
+  for (const auto& [volume, spec] : *all) frames.push_back({std::size_t(volume), decode_frame_spec(spec)});
+  return frames;
 }
 
 Method method_of(std::span<const std::byte> bytes) {
   static const Method methods[] = {Splats(), Sheets()};
-  static_assert(std::size(methods) == std::variant_size_v<Method> && std::size(methods) <= most_methods);
+  static_assert(std::size(methods) == std::variant_size_v<Method>);
   if (bytes.empty()) refuse_bytes();
-  const std::size_t index = std::size_t(bytes.front()) % most_methods;
+  const auto index = std::size_t(bytes.front());
   if (index >= std::size(methods)) refuse_bytes();
   return methods[index];
 }

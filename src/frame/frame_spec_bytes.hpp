@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
@@ -9,12 +10,20 @@
 namespace ringsplat {
 
 /// Exact bytes and back, for ranks of one build. decode_frame_spec() throws RunError when they are no
-/// FrameSpec; check() tells whether its values make sense. `volume`: the number of the one it is of, below
-/// 64.
-Bytes encode(const FrameSpec& spec, std::size_t volume = 0);
+/// FrameSpec; check() tells whether its values make sense.
+Bytes encode(const FrameSpec& spec);
 FrameSpec decode_frame_spec(std::span<const std::byte> bytes);
-std::size_t volume_of(std::span<const std::byte> bytes);
-/// An encoded frame's method, with its usual options.
+
+/// A frame of one of the volumes that are rendered together: the scene's own, 0, or one of its others.
+struct FrameOfVolume {
+  std::size_t volume = 0;
+  FrameSpec spec;
+};
+/// A frame as it is announced: of a volume, or of several that are drawn as one. decode_frames() throws
+/// RunError when the bytes are none.
+Bytes encode(const std::vector<FrameOfVolume>& frames);
+std::vector<FrameOfVolume> decode_frames(std::span<const std::byte> bytes);
+/// The method of an announced frame, with its usual options.
 Method method_of(std::span<const std::byte> bytes);
 /// As JSON text, for --stats and image metadata.
 std::string to_json_text(const FrameSpec& spec);

@@ -6,19 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "base/byte_stream.hpp"
-#include "net/message.hpp"
 #include "protocol/engine_decorator.hpp"
+#include "protocol/joined_step.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
-
-/// Parts begin at multiples of this, as payloads do in messages.
-constexpr std::size_t alignment = 16;
-static_assert(sizeof(BundlePart) == alignment && sizeof(Header) % alignment == 0);
-
-std::size_t padding(std::size_t at) { return (alignment - at % alignment) % alignment; }
 
 /// Which steps of the inner engine make a bundle.
 class Bundles {
@@ -42,28 +35,6 @@ class Bundles {
  private:
   std::vector<int> begins_;  ///< steps of slices, and the end of the last bundle
 };
-
-/// A slice's payload for a Renderer.
-struct SlicePayload {
-  BundlePart head;
-  Bytes body;  ///< as a message's
-};
-
-/// The payload of a bundle, which empties `slices`.
-Bytes join(std::vector<SlicePayload>& slices) {
-  std::size_t bytes = 0;
-  for (const SlicePayload& slice : slices) bytes = joined_with(bytes, slice.head.bytes);
-  Bytes body = Message::body_buffer();
-  body.reserve(body.size() + bytes);
-  for (SlicePayload& slice : slices) {
-    body.insert(body.end(), padding(body.size()), std::byte{0});
-    append(body, slice.head);
-    body.insert(body.end(), slice.body.begin() + sizeof(Header), slice.body.end());
-    slice.body = {};
-  }
-  slices.clear();
-  return body;
-}
 
 class BundleEncoder final : public EncoderDecorator {
  public:
@@ -91,63 +62,27 @@ class BundleEncoder final : public EncoderDecorator {
     const auto at = [this](int step) { return std::lower_bound(slices_.begin(), slices_.end(), step); };
     next_ = at(bundles_.begin(bundle));
     end_ = at(bundles_.end(bundle));
-    // Those of a bundle that was begun and then dropped.
-    kept_.clear();
-    joined_ = {};
-    joined_.slices = 0;
+    joined_.begin();
     inner_->begin(*next_);
   }
 
   bool work() override {
-    if (next_ != end_) {
-      if (!inner_->work()) return false;
-      add_slice(*next_, inner_->finish());
-      if (++next_ != end_) inner_->begin(*next_);
-      joined_to_ = 0;
-      return false;
-    }
-    while (joined_to_ < kept_.size() && kept_[joined_to_].empty()) ++joined_to_;
-    if (joined_to_ == kept_.size()) return true;
-    EncodedPart& all = joined_.parts[joined_to_];
-    all.payload = join(kept_[joined_to_]);
-    std::ranges::sort(all.tiles);
-    all.tiles.erase(std::unique(all.tiles.begin(), all.tiles.end()), all.tiles.end());
-    return ++joined_to_ == kept_.size();
+    if (next_ == end_) return joined_.work();
+    if (!inner_->work()) return false;
+    joined_.add(*next_, inner_->finish());
+    if (++next_ != end_) inner_->begin(*next_);
+    return false;
   }
 
-  EncodedStep finish() override { return std::move(joined_); }
+  EncodedStep finish() override { return joined_.take(); }
 
  private:
-  void add_slice(int step, EncodedStep&& slice) {
-    kept_.resize(slice.parts.size());
-    joined_.parts.resize(slice.parts.size());
-    for (std::size_t r = 0; r < slice.parts.size(); ++r)
-      if (!slice.parts[r].payload.empty()) add_part(step, std::move(slice.parts[r]), r);
-    joined_.counts.voxels += slice.counts.voxels;
-    joined_.counts.visible += slice.counts.visible;
-    joined_.counts.outside += slice.counts.outside;
-    joined_.counts.blocks += slice.counts.blocks;
-    joined_.slices += slice.slices;
-  }
-
-  void add_part(int step, EncodedPart&& part, std::size_t renderer) {
-    EncodedPart& all = joined_.parts[renderer];
-    all.items += part.items;
-    all.kept += part.kept;
-    all.passes += part.passes;
-    all.tiles.insert(all.tiles.end(), part.tiles.begin(), part.tiles.end());
-    const std::uint64_t bytes = Message::body_size(part.payload);
-    kept_[renderer].push_back({{step, part.passes, bytes}, std::move(part.payload)});
-  }
-
   Bundles bundles_;
   std::vector<int> slices_;  ///< steps of slices that are shown
   bool shows_nothing_ = false;
   std::size_t owned_ = 0;                  ///< how many of them this GP has
   std::vector<int>::iterator next_, end_;  ///< of slices_: the slice that is encoded, and the bundle's end
-  std::vector<std::vector<SlicePayload>> kept_;  ///< by Renderer, of the bundle's slices so far
-  std::size_t joined_to_ = 0;                    ///< Renderers whose payloads are joined
-  EncodedStep joined_;
+  JoinedStep joined_;                      ///< of the bundle's slices so far
 };
 
 class BundlePainter final : public PainterDecorator {
@@ -182,12 +117,12 @@ class BundlePainter final : public PainterDecorator {
     int least = bundles_.begin(payload.step);
     slices_.clear();
     for (std::size_t at = 0; at < body.size();) {
-      BundlePart part{};
+      JoinedPart part;
       if (!take_part(body, at, part)) refuse(payload, "is cut short");
-      if (part.slice_step < least || part.slice_step >= bundles_.end(payload.step))
-        refuse(payload, fmt::format("has slice {} out of its place", part.slice_step));
-      least = part.slice_step + 1;
-      slices_.push_back({part.slice_step, part.passes, body.subspan(at, part.bytes)});
+      if (part.number < least || part.number >= bundles_.end(payload.step))
+        refuse(payload, fmt::format("has slice {} out of its place", part.number));
+      least = part.number + 1;
+      slices_.push_back({part.number, part.passes, body.subspan(at, part.bytes)});
       at += part.bytes;
     }
   }
@@ -237,15 +172,6 @@ class BundleEngine final : public EngineDecorator {
 };
 
 }  // namespace
-
-std::size_t joined_with(std::size_t joined, std::size_t bytes) {
-  return joined + padding(joined) + sizeof(BundlePart) + bytes;
-}
-
-bool take_part(std::span<const std::byte> joined, std::size_t& at, BundlePart& part) {
-  at += padding(at);
-  return take(joined, at, part) && part.bytes <= joined.size() - at;
-}
 
 std::unique_ptr<Engine> make_bundle_engine(std::unique_ptr<Engine> inner, int bundle) {
   return std::make_unique<BundleEngine>(std::move(inner), bundle);

@@ -8,6 +8,7 @@
 #include "protocol/frame_source.hpp"
 #include "session/measured_pace.hpp"
 #include "session/render_frames.hpp"
+#include "sheet_engine/sheet_frame.hpp"
 
 namespace ringsplat {
 
@@ -29,11 +30,10 @@ class DirectedFrames final : public FrameSource {
   std::optional<Bytes> next(std::int64_t frame) override {
     if (parts_.empty()) parts_ = director_.next_picture();
     if (parts_.empty()) return std::nullopt;
-    auto [volume, spec, below] = std::move(parts_.front());
-    parts_.erase(parts_.begin());
-    spec.frame = frame;
-    pace_.tell(spec.division);
-    Bytes body = encode(spec, volume);
+    const bool below = parts_.front().below;
+    auto together = take_together(frame);
+    Bytes body = encode(together);
+    FrameSpec& spec = together.front().spec;
     spec.frame = picture_;
     frames_[frame] = {std::move(spec), {}, parts_.empty(), below};
     if (parts_.empty()) ++picture_;
@@ -79,6 +79,24 @@ class DirectedFrames final : public FrameSource {
     bool below = false;
     bool dropped = false;
   };
+
+  /// The next frame, of one volume or of all those behind it that are drawn as one with it.
+  std::vector<FrameOfVolume> take_together(std::int64_t frame) {
+    std::vector<FrameOfVolume> frames;
+    do {
+      auto& [volume, spec, below] = parts_.front();
+      spec.frame = frame;
+      pace_.tell(spec.division);
+      frames.push_back({volume, std::move(spec)});
+      if (frames.size() > 1 && !projects_together(frames)) {
+        parts_.front().spec = std::move(frames.back().spec);
+        frames.pop_back();
+        break;
+      }
+      parts_.erase(parts_.begin());
+    } while (!parts_.empty() && !parts_.front().below);
+    return frames;
+  }
 
   Director director_;
   Grid grid_;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <utility>
 
 #include "base/process.hpp"
@@ -75,18 +74,14 @@ std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout
                     .take = std::move(take)};
   if (options.encodes_pictures)
     for (WorkCosts* costs : {&setup.splat_costs, &setup.sheet_costs}) costs->picture += encoding_a_pixel;
-  std::vector<EngineSetup> volumes(1 + scene.others.size(), setup);
-  for (std::size_t k = 1; k < volumes.size(); ++k) {
-    volumes[k].sketch = scene.others[k - 1].sketch;
-    volumes[k].slices = slices_of(scene.others[k - 1]);
-  }
-  return options.engine ? options.engine(std::move(setup)) : make_rank_engine(std::move(volumes));
+  for (Scene& other : scene.others) setup.others.push_back({other.sketch, slices_of(other)});
+  return options.engine ? options.engine(std::move(setup)) : make_rank_engine(std::move(setup));
 }
 
 class Engines final : public Engine {
  public:
-  Engines(std::vector<EngineSetup> volumes, std::vector<MakeEngine> methods)
-      : volumes_(std::move(volumes)), methods_(std::move(methods)) {}
+  Engines(EngineSetup setup, std::vector<MakeEngine> methods)
+      : setup_(std::move(setup)), methods_(std::move(methods)), engines_(methods_.size()) {}
 
   FramePlan plan(const Announcement& a) override { return engine_of(a).plan(a); }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
@@ -99,17 +94,15 @@ class Engines final : public Engine {
 
  private:
   Engine& engine_of(const Announcement& a) {
-    const Method method = method_of(a.body);
-    const std::pair key(volume_of(a.body), method.index());
-    if (key.first >= volumes_.size()) throw RunError(fmt::format("there is no engine for {}", name(method)));
-    std::unique_ptr<Engine>& engine = engines_[key];
-    if (!engine) engine = methods_[key.second](volumes_[key.first]);
+    const std::size_t method = method_of(a.body).index();
+    std::unique_ptr<Engine>& engine = engines_[method];
+    if (!engine) engine = methods_[method](setup_);
     return *engine;
   }
 
-  std::vector<EngineSetup> volumes_;
+  EngineSetup setup_;
   std::vector<MakeEngine> methods_;  ///< in the order of Method's alternatives
-  std::map<std::pair<std::size_t, std::size_t>, std::unique_ptr<Engine>> engines_;  ///< by both
+  std::vector<std::unique_ptr<Engine>> engines_;
 };
 
 }  // namespace
@@ -215,14 +208,14 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
   Host(layout, protocol, transport, *engine, &frames, {.pace = options.pace}).run();
 }
 
-std::unique_ptr<Engine> make_engines(std::vector<EngineSetup> volumes, std::vector<MakeEngine> methods) {
-  const int bundle = volumes.front().bundle;
-  std::unique_ptr<Engine> engine = std::make_unique<Engines>(std::move(volumes), std::move(methods));
+std::unique_ptr<Engine> make_engines(EngineSetup setup, std::vector<MakeEngine> methods) {
+  const int bundle = setup.bundle;
+  std::unique_ptr<Engine> engine = std::make_unique<Engines>(std::move(setup), std::move(methods));
   return bundle > 1 ? make_bundle_engine(std::move(engine), bundle) : std::move(engine);
 }
 
-std::unique_ptr<Engine> make_rank_engine(std::vector<EngineSetup> volumes) {
-  return make_engines(std::move(volumes), {maker_of<SplatEngine>(), maker_of<SheetEngine>()});
+std::unique_ptr<Engine> make_rank_engine(EngineSetup setup) {
+  return make_engines(std::move(setup), {maker_of<SplatEngine>(), maker_of<SheetEngine>()});
 }
 
 }  // namespace ringsplat

@@ -165,11 +165,11 @@ MakeEngine maker_of(More... more) {
   return [=](const EngineSetup& setup) { return std::make_unique<EngineOfMethod>(setup, more...); };
 }
 
-/// The engines of one rank, each made on first use, whose steps are the setups' bundles. `volumes`: by their
-/// numbers (VolumeFrame). `methods`: in the order of Method's alternatives.
-std::unique_ptr<Engine> make_engines(std::vector<EngineSetup> volumes, std::vector<MakeEngine> methods);
+/// The engines of one rank, each made on first use, whose steps are the setup's bundles. `methods`: in the
+/// order of Method's alternatives.
+std::unique_ptr<Engine> make_engines(EngineSetup setup, std::vector<MakeEngine> methods);
 /// The same of engines that draw.
-std::unique_ptr<Engine> make_rank_engine(std::vector<EngineSetup> volumes);
+std::unique_ptr<Engine> make_rank_engine(EngineSetup setup);
 
 /// What a session can do for other rooms that is not for users.
 struct SessionParts {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sheet_engine/channel_painter-inl.hpp"
 #include "sheet_engine/group_painter-inl.hpp"
 #include "sheet_engine/paint_group.hpp"
 #include "sheet_engine/projection_painter-inl.hpp"
@@ -23,30 +24,44 @@ void PaintBy(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs
   painter.store_pixels();
 }
 
-template <class Sampler, class Rays>
-void PaintWith(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs) {
-  if (paint.projection.mode == Mode::composite)
-    PaintBy<GroupPainter<Sampler, Rays>>(paint, group, slabs);
-  else
-    PaintBy<ProjectionPainter<Sampler, Rays>>(paint, group, slabs);
-}
+/// Names a painter's sampler and rays.
+template <class S, class R>
+struct Ways {
+  using Sampler = S;
+  using Rays = R;
+};
 
+/// Calls `use` with the Ways for the planes' numbers and the group's rays.
 template <class Rays>
-void PaintAlong(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs,
-                [[maybe_unused]] bool patches) {
-  if (paint.floats) return PaintWith<FloatSampler, Rays>(paint, group, slabs);
+void WithSampler(const SheetPaint& paint, [[maybe_unused]] bool patches, const auto& use) {
+  if (paint.floats) return use(Ways<FloatSampler, Rays>());
 #if RINGSPLAT_LANES_PATCHES
-  if (patches) return PaintWith<PatchSampler, Rays>(paint, group, slabs);
+  if (patches) return use(Ways<PatchSampler, Rays>());
 #endif
-  PaintWith<PairSampler, Rays>(paint, group, slabs);
+  use(Ways<PairSampler, Rays>());
+}
+void WithWays(const SheetPaint& paint, const PixelGroup& group, const auto& use) {
+  if (const auto& eye = paint.rays.eye)
+    WithSampler<EyeRays>(paint, eye->spans_less(group.x, group.y, group_side, tile_side, patch_span), use);
+  else
+    WithSampler<ParallelRays>(paint, paint.rays.patches, use);
 }
 
 void PaintGroup(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs) {
-  if (const auto& eye = paint.rays.eye)
-    PaintAlong<EyeRays>(paint, group, slabs,
-                        eye->spans_less(group.x, group.y, group_side, tile_side, patch_span));
-  else
-    PaintAlong<ParallelRays>(paint, group, slabs, paint.rays.patches);
+  WithWays(paint, group, [&]<class W>(W) {
+    if (paint.projection.mode == Mode::composite)
+      PaintBy<GroupPainter<typename W::Sampler, typename W::Rays>>(paint, group, slabs);
+    else
+      PaintBy<ProjectionPainter<typename W::Sampler, typename W::Rays>>(paint, group, slabs);
+  });
+}
+
+void PaintChannels(std::span<const PaintedChannel> channels, std::size_t all, const PixelGroup& group) {
+  WithWays(*channels.front().paint, group, [&]<class W>(W) {
+    ChannelPainter<typename W::Sampler, typename W::Rays> painter(channels, all, group);
+    for (std::size_t k = 0; k < channels.front().slabs.slabs.size(); ++k) painter.paint(k);
+    painter.store_pixels();
+  });
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -56,6 +71,7 @@ HWY_AFTER_NAMESPACE();
 namespace ringsplat {
 
 HWY_EXPORT(PaintGroup);
+HWY_EXPORT(PaintChannels);
 
 float place_of_number(const PlaceMap& map, float number) {
   if (map.even) return std::fma(number, map.scale, map.offset);
@@ -69,6 +85,10 @@ float place_of_number(const PlaceMap& map, float number) {
 
 void paint_group(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs) {
   HWY_DYNAMIC_DISPATCH(PaintGroup)(paint, group, slabs);
+}
+
+void paint_channels(std::span<const PaintedChannel> channels, std::size_t all, const PixelGroup& group) {
+  HWY_DYNAMIC_DISPATCH(PaintChannels)(channels, all, group);
 }
 
 }  // namespace ringsplat

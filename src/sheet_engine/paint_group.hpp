@@ -188,6 +188,7 @@ struct PixelGroup {
   int x = 0, y = 0, width = group_side, height = group_side;
   float* rgba = nullptr;  ///< premultiplied, of its first pixel
   std::ptrdiff_t row_floats = 0;
+  float* more = nullptr;  ///< four further floats of its first pixel, in rows as long
 };
 
 /// Slabs, front to back; masks[k * stride] has the tiles of a group that may show something of slab k.
@@ -200,5 +201,17 @@ struct MaskedSlabs {
 /// Composites slabs behind a group's pixels, or takes what they project. A pixel's bits do not depend on the
 /// group's place, on how slabs are divided into calls, or on tiles that show nothing.
 void paint_group(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs);
+
+/// One of several volumes on one grid whose projections are taken together.
+struct PaintedChannel {
+  const SheetPaint* paint;
+  MaskedSlabs slabs;  ///< the same ones of all, in its planes
+  int place;          ///< where its value is among a pixel's: red, green, blue, and the four more
+};
+inline constexpr int most_channels = 7;
+
+/// Takes extrema or integrals of `channels`, in planes of one type of numbers and of one mode, into their
+/// places. Opacity becomes 1 where nothing changes any of `all` channels. Bits as of each by itself.
+void paint_channels(std::span<const PaintedChannel> channels, std::size_t all, const PixelGroup& group);
 
 }  // namespace ringsplat

@@ -141,39 +141,72 @@ const glm::vec4& ProjectionColours::at(double value) const {
   return colours_[std::size_t(place + 0.5)];
 }
 
-void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, const Projection& projection,
-                               const PlaneCode& code, const SliceLabels& labels, RegionImage& image) const {
-  const bool surface = projection.mode == Mode::surface;
-  if (surface && !projection.values) return;
-  const bool extremum = takes_extremum(projection.mode);
-  const double from = extremum ? seen_from(frame) : 0,
-               of_number = extremum ? projection.sign / code.scale : 1;
-  if (!image.touched() && (surface || at(from).a == 0)) return;
-  const FrameGeometry& g = frame.geometry;
-  const double slice_length = frame.step_length() * frame.unit_length();
-  float* row = image.pixels();
-  for (int y = image.rect().y0; y < image.rect().y1; ++y, row += image.row_floats())
-    for (int x = image.rect().x0; x < image.rect().x1; ++x) {
-      float* const pixel = row + 4 * (x - image.rect().x0);
+namespace {
+
+/// The colour of one volume's value in a pixel.
+struct PixelColour {
+  explicit PixelColour(const ProjectedVolume& volume)
+      : v(volume),
+        extremum(takes_extremum(v.projection.mode)),
+        from(extremum ? seen_from(v.frame) : 0),
+        of_number(extremum ? v.projection.sign / v.code.scale : 1),
+        slice_length(v.frame.step_length() * v.frame.unit_length()) {}
+
+  /// Whether rays that have taken nothing show nothing.
+  bool starts_clear() const { return is_surface() || v.colours.at(from).a == 0; }
+
+  glm::vec4 of(float taken, bool found, const PixelRay& ray, double crossed, const SheetRays& rays) const {
+    const FrameGeometry& g = v.frame.geometry;
+    double value = from + of_number * taken;
+    if (v.projection.mode == Mode::mean) value /= crossed * slice_length * ray.step(rays);
+    // The depth behind the plane through the volume's middle, in world lengths.
+    if (is_surface()) value = g.view.project(ray.at(taken, g)).z / g.view.pixels_per_unit;
+    if (is_surface() ? !found : !(crossed > 0)) return glm::vec4(0);
+    if (v.projection.values) return {glm::vec3(float(value)), 1};
+    const glm::vec4 colour = v.colours.at(value);
+    return v.labels.plane == nullptr ? colour : tinted(colour, ray, rays);
+  }
+
+ private:
+  bool is_surface() const { return v.projection.mode == Mode::surface; }
+  glm::vec4 tinted(const glm::vec4& colour, const PixelRay& ray, const SheetRays& rays) const {
+    const auto voxel = [&](int i) {
+      return std::clamp(std::int64_t(std::floor(ray.from[i] + 0.5)), std::int64_t{0},
+                        std::int64_t(rays.voxels[i] - 1));
+    };
+    const float* tint = v.labels.tints + 4 * v.labels.plane[voxel(1) * v.labels.pitch + voxel(0)];
+    return glm::mix(colour, colour.a * glm::vec4(tint[0], tint[1], tint[2], 1), tint[3]);
+  }
+
+  const ProjectedVolume& v;
+  const bool extremum;
+  const double from, of_number, slice_length;
+};
+
+}  // namespace
+
+void colour_region(std::span<const ProjectedVolume> volumes, const SheetRays& rays, RegionImage& image,
+                   RegionImage* more) {
+  const auto& first = volumes.front();
+  if (first.projection.mode == Mode::surface && !first.projection.values) return;
+  const std::vector<PixelColour> colours(volumes.begin(), volumes.end());
+  if (!image.touched() && std::ranges::all_of(colours, &PixelColour::starts_clear)) return;
+  const FrameGeometry& g = first.frame.geometry;
+  const PixelRect& rect = image.rect();
+  float *row = image.pixels(), *more_row = more != nullptr ? more->pixels() : nullptr;
+  for (int y = rect.y0; y < rect.y1;
+       ++y, row += image.row_floats(), more_row += more ? image.row_floats() : 0)
+    for (int x = rect.x0; x < rect.x1; ++x) {
+      float* const pixel = row + 4 * (x - rect.x0);
       const PixelRay ray(rays, g.slices, x, y);
       const double crossed = ray.slices_in_box(rays, g);
-      double value = from + of_number * pixel[0];
-      if (projection.mode == Mode::mean) value /= crossed * slice_length * ray.step(rays);
-      // The depth behind the plane through the volume's middle, in world lengths.
-      if (surface) value = g.view.project(ray.at(pixel[0], g)).z / g.view.pixels_per_unit;
-      const bool there = surface ? pixel[3] > 0 : crossed > 0;
-      glm::vec4 colour = !there              ? glm::vec4(0)
-                         : projection.values ? glm::vec4(glm::vec3(float(value)), 1)
-                                             : at(value);
-      if (labels.plane != nullptr && !projection.values) {
-        const auto voxel = [&](int i) {
-          return std::clamp(std::int64_t(std::floor(ray.from[i] + 0.5)), std::int64_t{0},
-                            std::int64_t(rays.voxels[i] - 1));
-        };
-        const float* tint = labels.tints + 4 * labels.plane[voxel(1) * labels.pitch + voxel(0)];
-        colour = glm::mix(colour, colour.a * glm::vec4(tint[0], tint[1], tint[2], 1), tint[3]);
+      glm::vec4 sum(0);
+      for (std::size_t c = 0; c < colours.size(); ++c) {
+        const float taken = c < 3 ? pixel[c] : more_row[4 * (x - rect.x0) + std::ptrdiff_t(c) - 3];
+        sum += colours[c].of(taken, pixel[3] > 0, ray, crossed, rays);
       }
-      for (int c = 0; c < 4; ++c) pixel[c] = colour[c];
+      if (colours.size() > 1) sum = glm::min(sum, glm::vec4(1));
+      for (int c = 0; c < 4; ++c) pixel[c] = sum[c];
     }
 }
 

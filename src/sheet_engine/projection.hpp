@@ -1,5 +1,6 @@
 #pragma once
 #include <glm/vec4.hpp>
+#include <span>
 #include <vector>
 
 #include "raster/region_image.hpp"
@@ -24,18 +25,28 @@ class ProjectionColours {
  public:
   /// Its opacities say of Mode::attenuated how much values dim, and not what is seen of them.
   void set_function(TransferFunction transfer_function, Mode mode);
-  /// Turns what a region's pixels have taken, as ProjectionPainter left it, into their colours. Rays that
-  /// meet the box have a value, too, where nothing was taken.
-  void colour(const SheetFrame& frame, const SheetRays& rays, const Projection& projection,
-              const PlaneCode& code, const SliceLabels& labels, RegionImage& image) const;
-
- private:
   const glm::vec4& at(double value) const;
 
+ private:
   static constexpr int last = 1 << 14;
   TransferFunction function_;
   double low_ = 0, steps_a_unit_ = 0;
   std::vector<glm::vec4> colours_;  ///< premultiplied
 };
+
+/// What colours the values that pixels have taken of a volume.
+struct ProjectedVolume {
+  const SheetFrame& frame;
+  const ProjectionColours& colours;
+  Projection projection;
+  PlaneCode code;
+  SliceLabels labels = {};
+};
+
+/// Turns what a region's pixels have taken of `volumes` (paint_group.hpp), each in its place, into their
+/// colours, or the sum of these, which is at most 1. Rays that meet the box have a value, too, where nothing
+/// was taken. `more`: the further values; null: there are none.
+void colour_region(std::span<const ProjectedVolume> volumes, const SheetRays& rays, RegionImage& image,
+                   RegionImage* more);
 
 }  // namespace ringsplat

@@ -54,10 +54,11 @@ struct CellPath {
 ///   in green by how many powers of two what lies behind is dimmed;
 ///   an integral in red, of what is above or below the value 0;
 ///   a surface's premultiplied colour, or with Projection::values in red its slice, from the middle one.
-template <class Sampler, class Rays>
-class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
-  using State = TilePixels<Rays>;
+template <class Sampler, class Rays, class State = TilePixels<Rays>>
+class ProjectionPainter : public TilePainter<Sampler, Rays, State> {
   using Base = TilePainter<Sampler, Rays, State>;
+
+ protected:
   using Base::count_, Base::list_, Base::p_, Base::plane_of, Base::rays_, Base::slab_, Base::state_;
 
  public:
@@ -68,7 +69,7 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     for (int k = 0; k < count_; ++k) paint_tile(state_[list_[k]]);
   }
 
- private:
+ protected:
   /// Lanes' way through the slab along u or v. Places count from the voxel below the first; `w` runs from 0
   /// at the slab's front to 1 at its back.
   struct Along {
@@ -109,12 +110,26 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
   /// A tile's lanes in the slab.
   struct Walk {
     Corner corner;
-    typename Sampler::Plane front, back;
     Along u, v;
     F w, enter;
     M inside{}, inside_last{};  ///< whether the field is above the surface's value at w, and at the back
+
+    HWY_INLINE void go(F end) {
+      u.go(end);
+      v.go(end);
+      w = end;
+    }
   };
-  /// A part of it inside one cell.
+  /// The slices before and behind the slab.
+  struct PlanePair {
+    typename Sampler::Plane front, back;
+  };
+  /// The cell between them in which each lane is.
+  struct CellOfLanes {
+    I u, v;
+    typename Sampler::Sheet sheet;
+  };
+  /// A part of lanes' way inside one cell.
   struct Part {
     RayCubic values;
     F from, to;  ///< of w
@@ -123,48 +138,128 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     HWY_INLINE F length() const { return sub(to, from); }
   };
 
-  void paint_tile(State& s) {
-    const M alive = this->alive(s);
-    if (!any(alive)) {
-      s.dead = true;
-      return;
-    }
-    M seen = alive;
-    const bool by_planes = this->cut_by_planes(s, seen);
-    if (!any(seen)) return;
-    const Ends ends = rays_.ends(s.ray);
-    const Corner corner = this->corner_below(ends);
-    if (cannot_change(s, alive, ends)) return;
+  /// Begins a tile's lanes that still take something and do not lie behind a clip plane, `seen`. False where
+  /// there are none.
+  HWY_INLINE bool begin_tile(State& s, M& seen, bool& by_planes) const {
+    seen = this->alive(s);
+    s.dead = !any(seen);
+    if (s.dead) return false;
+    by_planes = this->cut_by_planes(s, seen);
+    return any(seen);
+  }
+
+  HWY_INLINE Walk walk_of(const State& s, Corner corner, const Way& way) const {
     const Position from = rays_.at(s.ray, 0), to = rays_.at(s.ray, slab_->pieces);
-    Way way{set(0.0F), set(1.0F)};
-    if (Rays::some_miss(s.ray) || by_planes || this->leaves(ends, one_voxel / 2 - 1))
-      way = this->way_in_box(s, 0);
-    const auto front = plane_of(slab_->front, corner), back = plane_of(slab_->back, corner);
-    Walk walk{
-        corner,    front, back, Along(from.u, to.u, way.enter), Along(from.v, to.v, way.enter), way.enter,
-        way.enter, {},    {}};
-    if (q_.mode == Mode::surface) {
-      // By the slice's own voxels, so that slabs on both sides agree.
-      walk.inside = above_at(front, from, corner);
-      walk.inside_last = above_at(back, to, corner);
-    }
-    for (M on = both(alive, greater(way.leave, walk.w)); any(on); on = both(on, greater(way.leave, walk.w))) {
-      const F end = max(min(way.leave, min(walk.u.next, walk.v.next)), walk.w);
-      paint_part(s, walk, end, both(on, greater(end, walk.w)));
-      walk.u.go(end);
-      walk.v.go(end);
-      walk.w = end;
+    return Walk{corner, Along(from.u, to.u, way.enter), Along(from.v, to.v, way.enter), way.enter, way.enter};
+  }
+  HWY_INLINE Way way_of(const State& s, const Ends& ends, bool by_planes) const {
+    const bool cut = Rays::some_miss(s.ray) || by_planes || this->leaves(ends, one_voxel / 2 - 1);
+    return cut ? this->way_in_box(s, 0) : Way{set(0.0F), set(1.0F)};
+  }
+  HWY_INLINE PlanePair planes_of(const SheetSlab& slab, Corner corner) const {
+    return {plane_of(slab.front, corner), plane_of(slab.back, corner)};
+  }
+
+  /// Calls `paint` with the end of each part of the lanes' way that lies inside one cell, and the lanes that
+  /// have it.
+  HWY_INLINE void for_each_part(Walk& walk, F leave, M alive, auto&& paint) const {
+    for (M on = both(alive, greater(leave, walk.w)); any(on); on = both(on, greater(leave, walk.w))) {
+      const F end = max(min(leave, min(walk.u.next, walk.v.next)), walk.w);
+      paint(end, both(on, greater(end, walk.w)));
+      walk.go(end);
     }
   }
 
-  /// Whether the voxels of the cells between ends are nothing to any lane.
-  HWY_INLINE bool cannot_change(const State& s, M alive, const Ends& ends) const {
+  /// Whether the voxels of the cells between ends are nothing to any lane. `enough`: as enough().
+  HWY_INLINE bool cannot_change(const Projection& q, const SheetSlab& slab, F enough, M alive,
+                                const Ends& ends) const {
     typename Base::ColumnRanges ranges;
-    if (!this->find_ranges(ends, ranges)) return false;
-    if (q_.mode == Mode::surface) return ranges.greatest() < q_.isovalue || ranges.least() >= q_.isovalue;
-    if (!is_extremum()) return ranges.least() == q_.zero && ranges.greatest() == q_.zero;
-    const float most = (q_.sign > 0 ? ranges.greatest() : ranges.least()) - q_.least;
-    return least(choose(alive, enough(s), set(INFINITY))) >= most * q_.sign;
+    if (!this->find_ranges(slab, ends, ranges)) return false;
+    if (q.mode == Mode::surface) return ranges.greatest() < q.isovalue || ranges.least() >= q.isovalue;
+    if (!is_extremum(q)) return ranges.least() == q.zero && ranges.greatest() == q.zero;
+    const float most = (q.sign > 0 ? ranges.greatest() : ranges.least()) - q.least;
+    return least(choose(alive, enough, set(INFINITY))) >= most * q.sign;
+  }
+
+  HWY_INLINE CellOfLanes cell_of(const Walk& walk) const {
+    const I u = walk.u.cell_in_box(p_.rays.voxels[0]), v = walk.v.cell_in_box(p_.rays.voxels[1]);
+    return {u, v, Sampler::sheet(up<position_bits>(u), up<position_bits>(v), p_.pitch, walk.corner)};
+  }
+  HWY_INLINE CellPath path_of(const Walk& walk, const CellOfLanes& cell, F end) const {
+    CellPath path{walk.u.place(walk.w, cell.u), walk.v.place(walk.w, cell.v), {}, {}};
+    path.du = sub(walk.u.place(end, cell.u), path.u);
+    path.dv = sub(walk.v.place(end, cell.v), path.v);
+    return path;
+  }
+  /// front + w (back - front), where both are squares of s and w goes from walk.w to `end`.
+  HWY_INLINE RayCubic values_on(const CellPath& path, const Walk& walk, F end, const auto& front,
+                                const auto& back) const {
+    const F length = sub(end, walk.w);
+    const RayCubic a = path.values(front.corners()), b = path.values(back.corners());
+    const F d0 = sub(b.f0, a.f0), d1 = sub(b.f1, a.f1), d2 = sub(b.f2, a.f2);
+    return {fma(walk.w, d0, a.f0), fma(walk.w, d1, fma(length, d0, a.f1)),
+            fma(walk.w, d2, fma(length, d1, a.f2)), mul(length, d2)};
+  }
+
+  /// How far a number is an extremum.
+  static HWY_INLINE F beyond(const Projection& q, F number) {
+    return mul(sub(number, set(q.least)), set(q.sign));
+  }
+  static HWY_INLINE F most_of(const Projection& q, const auto& front, const auto& back) {
+    return beyond(q, q.sign > 0 ? greatest_of(front, back) : least_of(front, back));
+  }
+  static bool is_extremum(const Projection& q) {
+    return q.mode == Mode::mip || q.mode == Mode::minip || dims(q);
+  }
+  static bool dims(const Projection& q) { return q.mode == Mode::attenuated; }
+
+  /// Takes what is beyond `taken`.
+  HWY_INLINE void take_extremum(const Projection& q, const Part& part, F& taken) const {
+    const RayCubic& values = part.values;
+    F found = max(beyond(q, values.f0), beyond(q, values.at(set(1.0F))));
+    // The curve lies below the greatest of Bézier's points: often that is an end.
+    const F third = set(1.0F / 3), one_third = fma(third, values.f1, values.f0),
+            two_thirds = fma(third, add(values.f1, values.f2), one_third);
+    const F bound = max(beyond(q, one_third), beyond(q, two_thirds));
+    if (any(both(part.there, greater(bound, max(found, taken))))) {
+      F first, second;
+      values.turns(first, second);
+      found = max(found, max(beyond(q, values.at(first)), beyond(q, values.at(second))));
+    }
+    // Rounding must not lift it above the voxels, by which tiles are left out. What is not a number stays so.
+    found = min(part.most, found);
+    taken = choose(both(part.there, greater(found, taken)), found, taken);
+  }
+
+  HWY_INLINE void take_integral(const Projection& q, const State& s, const Part& part, F& taken) const {
+    const F value = mul(sub(part.values.integral(), set(q.zero)), set(q.unit));
+    taken = choose(both(part.there, equal(value, value)), fma(value, length_of(s, part), taken), taken);
+  }
+
+  /// From slice to slice is 1.
+  HWY_INLINE F length_of(const State& s, const Part& part) const {
+    return mul(part.length(), mul(rays_.length(s.ray), set(slab_->face ? p_.face_pieces : 1.0F)));
+  }
+
+ private:
+  void paint_tile(State& s) {
+    M seen;
+    bool by_planes = false;
+    if (!begin_tile(s, seen, by_planes)) return;
+    const M alive = this->alive(s);
+    const Ends ends = rays_.ends(s.ray);
+    const Corner corner = this->corner_below(ends);
+    if (cannot_change(q_, *slab_, enough(s), alive, ends)) return;
+    const Way way = way_of(s, ends, by_planes);
+    const PlanePair planes = planes_of(*slab_, corner);
+    Walk walk = walk_of(s, corner, way);
+    if (q_.mode == Mode::surface) {
+      // By the slice's own voxels, so that slabs on both sides agree.
+      walk.inside = above_at(planes.front, rays_.at(s.ray, 0), corner);
+      walk.inside_last = above_at(planes.back, rays_.at(s.ray, slab_->pieces), corner);
+    }
+    for_each_part(walk, way.leave, alive,
+                  [&](F end, M there) HWY_ATTR { paint_part(s, walk, planes, end, there); });
   }
 
   HWY_INLINE M above(F number) const {
@@ -175,74 +270,30 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     return above(Sampler::value(plane, this->sheet_in_box(at.u, at.v, corner), p_.pitch));
   }
 
-  HWY_INLINE void paint_part(State& s, Walk& walk, F end, M there) const {
-    const I u = walk.u.cell_in_box(p_.rays.voxels[0]), v = walk.v.cell_in_box(p_.rays.voxels[1]);
-    const auto sheet = Sampler::sheet(up<position_bits>(u), up<position_bits>(v), p_.pitch, walk.corner);
-    const auto front = Sampler::cell(walk.front, sheet, p_.pitch),
-               back = Sampler::cell(walk.back, sheet, p_.pitch);
+  HWY_INLINE void paint_part(State& s, Walk& walk, const PlanePair& planes, F end, M there) const {
+    const CellOfLanes cell = cell_of(walk);
+    const auto front = Sampler::cell(planes.front, cell.sheet, p_.pitch),
+               back = Sampler::cell(planes.back, cell.sheet, p_.pitch);
     F most = set(0.0F);
-    if (is_extremum()) {
-      most = beyond(q_.sign > 0 ? greatest_of(front, back) : least_of(front, back));
+    if (is_extremum(q_)) {
+      most = most_of(q_, front, back);
       if (!any(both(there, greater(most, enough(s))))) return;
     }
-    CellPath path{walk.u.place(walk.w, u), walk.v.place(walk.w, v), {}, {}};
-    path.du = sub(walk.u.place(end, u), path.u);
-    path.dv = sub(walk.v.place(end, v), path.v);
-    // front + w (back - front), where both are squares of s and w = from + s length.
-    const F length = sub(end, walk.w);
-    const RayCubic a = path.values(front.corners()), b = path.values(back.corners());
-    const F d0 = sub(b.f0, a.f0), d1 = sub(b.f1, a.f1), d2 = sub(b.f2, a.f2);
-    const RayCubic values{fma(walk.w, d0, a.f0), fma(walk.w, d1, fma(length, d0, a.f1)),
-                          fma(walk.w, d2, fma(length, d1, a.f2)), mul(length, d2)};
-    take(s, walk, {values, walk.w, end, most, there});
-  }
-
-  /// How far a number is an extremum.
-  HWY_INLINE F beyond(F number) const { return mul(sub(number, set(q_.least)), set(q_.sign)); }
-
-  bool is_extremum() const { return q_.mode == Mode::mip || q_.mode == Mode::minip || dims(); }
-  bool dims() const { return q_.mode == Mode::attenuated; }
-  /// Less far beyond, a number changes nothing.
-  HWY_INLINE F enough(const State& s) const { return dims() ? set(0.0F) : s.red; }
-
-  HWY_INLINE void take(State& s, Walk& walk, const Part& part) const {
-    if (dims())
+    const Part part{values_on(path_of(walk, cell, end), walk, end, front, back), walk.w, end, most, there};
+    if (dims(q_)) {
       take_dimmed(s, part);
-    else if (is_extremum())
-      take_extremum(s, part);
-    else if (q_.mode == Mode::surface)
-      find_surface(s, walk, part);
-    else
-      take_integral(s, part);
-  }
-
-  HWY_INLINE void take_extremum(State& s, const Part& part) const {
-    const RayCubic& values = part.values;
-    F found = max(beyond(values.f0), beyond(values.at(set(1.0F))));
-    // The curve lies below the greatest of Bézier's points: often that is an end.
-    const F third = set(1.0F / 3), one_third = fma(third, values.f1, values.f0),
-            two_thirds = fma(third, add(values.f1, values.f2), one_third);
-    const F bound = max(beyond(one_third), beyond(two_thirds));
-    if (any(both(part.there, greater(bound, max(found, s.red))))) {
-      F first, second;
-      values.turns(first, second);
-      found = max(found, max(beyond(values.at(first)), beyond(values.at(second))));
+    } else if (is_extremum(q_)) {
+      take_extremum(q_, part, s.red);
+      s.opacity = choose(greater(set(q_.most), s.red), s.opacity, set(1.0F));
+    } else if (q_.mode == Mode::surface) {
+      find_surface(s, walk, planes, part);
+    } else {
+      take_integral(q_, s, part, s.red);
     }
-    // Rounding must not lift it above the voxels, by which tiles are left out. What is not a number stays so.
-    found = min(part.most, found);
-    s.red = choose(both(part.there, greater(found, s.red)), found, s.red);
-    s.opacity = choose(greater(set(q_.most), s.red), s.opacity, set(1.0F));
   }
 
-  HWY_INLINE void take_integral(State& s, const Part& part) const {
-    const F value = mul(sub(part.values.integral(), set(q_.zero)), set(q_.unit));
-    s.red = choose(both(part.there, equal(value, value)), fma(value, length_of(s, part), s.red), s.red);
-  }
-
-  /// From slice to slice is 1.
-  HWY_INLINE F length_of(const State& s, const Part& part) const {
-    return mul(part.length(), mul(rays_.length(s.ray), set(slab_->face ? p_.face_pieces : 1.0F)));
-  }
+  /// Less far beyond, a number changes nothing.
+  HWY_INLINE F enough(const State& s) const { return dims(q_) ? set(0.0F) : s.red; }
 
   /// Takes the most of what is left of numbers behind others. Between places an eighth of the part apart
   /// numbers are lines, and a peak of what is left a parabola.
@@ -253,11 +304,11 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     const auto left_at = [&](F depth) HWY_ATTR { return exp2_of(max(sub(zero, depth), set(-126.0F))); };
     // What is not a number is nothing.
     const auto shown = [&](F number) HWY_ATTR { return min(max(number, zero), most); };
-    F number = beyond(part.values.f0), depth = s.green, left = left_at(depth),
+    F number = beyond(q_, part.values.f0), depth = s.green, left = left_at(depth),
       here = mul(shown(number), left), found = max(s.red, here);
     F before = set(INFINITY);  // a part has no peak at its front
     for (int k = 1; k <= pieces; ++k) {
-      const F next = beyond(part.values.at(set(float(k) / pieces)));
+      const F next = beyond(q_, part.values.at(set(float(k) / pieces)));
       const F next_depth = fma(half_length, add(shown(number), shown(next)), depth),
               next_left = left_at(next_depth), there = mul(shown(next), next_left);
       const F rise = mul(half, sub(there, before)), bend = sub(add(here, here), add(before, there));
@@ -277,7 +328,7 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
   }
 
   /// Shows the surface where the field's side of its value changes first.
-  HWY_INLINE void find_surface(State& s, Walk& walk, const Part& part) const {
+  HWY_INLINE void find_surface(State& s, Walk& walk, const PlanePair& planes, const Part& part) const {
     const F one = set(1.0F);
     F first, second, from = set(0.0F), to = from;
     part.values.turns(first, second);
@@ -297,7 +348,7 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
       inside = here;
     }
     found = both(found, part.there);
-    if (any(found)) show_surface(s, walk, part, crossing(part.values, from, to, walk.inside), found);
+    if (any(found)) show_surface(s, walk, planes, part, crossing(part.values, from, to, walk.inside), found);
     walk.inside = choose_mask(part.there, inside, walk.inside);
   }
 
@@ -312,7 +363,8 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
     return to;
   }
 
-  HWY_INLINE void show_surface(State& s, const Walk& walk, const Part& part, F at, M found) const {
+  HWY_INLINE void show_surface(State& s, const Walk& walk, const PlanePair& planes, const Part& part, F at,
+                               M found) const {
     const F w = fma(at, part.length(), part.from);
     if (q_.values) {
       found = but_not(found, greater(s.opacity, set(0.0F)));
@@ -330,9 +382,9 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
       const auto sheet = this->sheet_in_box(position(walk.u), position(walk.v), walk.corner);
       const auto before = plane_of(slab_->before, walk.corner), after = plane_of(slab_->after, walk.corner);
       const Gradient front =
-          Sampler::gradient(walk.front, (slab_->face ? after : walk.back) - before, sheet, p_.pitch);
+          Sampler::gradient(planes.front, (slab_->face ? after : planes.back) - before, sheet, p_.pitch);
       const Gradient back =
-          Sampler::gradient(walk.back, after - (slab_->face ? before : walk.front), sheet, p_.pitch);
+          Sampler::gradient(planes.back, after - (slab_->face ? before : planes.front), sheet, p_.pitch);
       light = this->lit_at(s, w, front, Base::difference(back, front));
     }
     const TableSlab surface{set(1.0F), set(q_.colour[0]), set(q_.colour[1]), set(q_.colour[2]), {}, {}};

@@ -1,8 +1,11 @@
 #include "sheet_engine/sheet_engine.hpp"
 
+#include <algorithm>
 #include <utility>
 
+#include "ringsplat/base/error.hpp"
 #include "sheet_engine/layers.hpp"
+#include "sheet_engine/paint_group.hpp"
 
 namespace ringsplat {
 
@@ -14,6 +17,38 @@ std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const 
   frame->transparent = transparent_values(spec.shown);
   if (frame->geometry.layers.slices > 0) frame->plan.shares = shares_of_layers(*frame, renderers);
   return frame;
+}
+
+std::shared_ptr<const SheetFrame> with_others(std::shared_ptr<const SheetFrame> first,
+                                              const std::vector<FrameOfVolume>& frames) {
+  if (frames.size() == 1 && frames.front().volume == first->volume) return first;
+  const auto of = [&](const FrameOfVolume& one) {
+    auto frame = std::make_shared<SheetFrame>(*first);
+    frame->volume = one.volume;
+    frame->shown = one.spec.shown;
+    frame->transparent = transparent_values(one.spec.shown);
+    return frame;
+  };
+  const auto all = of(frames.front());
+  if (frames.size() > 1 && !projects_together(frames)) throw RunError("volumes that are not drawn as one");
+  for (const FrameOfVolume& other : std::span(frames).subspan(1)) all->others.push_back(of(other));
+  return all;
+}
+
+bool projects_together(const std::vector<FrameOfVolume>& frames) {
+  const FrameSpec& first = frames.front().spec;
+  const Shown& shown = first.shown;
+  const bool takes_one_value = shown.mode == Mode::mip || shown.mode == Mode::minip ||
+                               shown.mode == Mode::mean || shown.mode == Mode::sum;
+  if (!std::holds_alternative<Sheets>(first.how) || !takes_one_value || !shown.tints.empty() ||
+      shown.values || frames.size() > most_channels)
+    return false;
+  return std::ranges::all_of(frames, [&](const FrameOfVolume& one) {
+    FrameSpec same = one.spec;
+    same.shown.transfer_function = shown.transfer_function;
+    same.shown.isovalue = shown.isovalue;  // of surfaces
+    return same == first;
+  });
 }
 
 }  // namespace ringsplat

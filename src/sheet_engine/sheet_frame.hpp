@@ -1,6 +1,8 @@
 #pragma once
 #include <algorithm>
 #include <memory>
+#include <utility>
+#include <vector>
 
 #include "engine_parts/frame_engine.hpp"
 #include "sheet_engine/transparent_values.hpp"
@@ -12,6 +14,9 @@ struct SheetFrame : SharedFrame {
 
   Sheets sheets;
   TransparentValues transparent;
+  /// Frames of other volumes that are projected along the same rays, all alike but for the volume and its
+  /// transfer function.
+  std::vector<std::shared_ptr<const SheetFrame>> others;
 
   bool shaded() const { return shown.shading == Shading::phong; }
   /// Whether colours or opacities go by gradients.
@@ -46,10 +51,25 @@ struct SheetFrame : SharedFrame {
   int reach() const { return lit() ? 2 : 1; }
 };
 
+/// A frame and its others.
+inline std::vector<std::shared_ptr<const SheetFrame>> channels_of(std::shared_ptr<const SheetFrame> frame) {
+  auto all = frame->others;
+  all.insert(all.begin(), std::move(frame));
+  return all;
+}
+
 /// `spec` must be of this method; without a `dealer` regions are dealt in turn. Throws InputError when its
 /// view cannot be drawn.
 std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const Grid& grid,
                                                    SliceDealing dealing, int renderers,
                                                    RegionDealer* dealer = nullptr);
+
+/// Whether these frames, of volumes on one grid, are drawn as one: projections of one value a pixel that
+/// differ in their transfer functions alone.
+bool projects_together(const std::vector<FrameOfVolume>& frames);
+/// The first of `frames`, made, with the others that it is drawn with. Throws RunError where they are not
+/// drawn as one.
+std::shared_ptr<const SheetFrame> with_others(std::shared_ptr<const SheetFrame> first,
+                                              const std::vector<FrameOfVolume>& frames);
 
 }  // namespace ringsplat

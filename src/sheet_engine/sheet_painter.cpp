@@ -1,65 +1,57 @@
 #include <algorithm>
 #include <atomic>
-#include <cmath>
-#include <optional>
+#include <map>
 #include <ranges>
 #include <utility>
 #include <vector>
 
-#include "base/byte_stream.hpp"
 #include "engine_parts/frame_engine.hpp"
 #include "net/message.hpp"
+#include "protocol/joined_step.hpp"
 #include "ringsplat/base/error.hpp"
-#include "sheet_engine/block_windows.hpp"
 #include "sheet_engine/layers.hpp"
-#include "sheet_engine/place_map.hpp"
-#include "sheet_engine/projection.hpp"
-#include "sheet_engine/scalar_planes.hpp"
+#include "sheet_engine/painted_volume.hpp"
 #include "sheet_engine/sheet_engine.hpp"
-#include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/sheet_rays.hpp"
-#include "sheet_engine/slab_table.hpp"
-#include "sheet_engine/visible_tiles.hpp"
-#include "volume/scalars.hpp"
 
 namespace ringsplat {
 namespace {
 
-/// Slices that are kept before what lies between them is painted: many, so that a group of pixels goes
-/// through many slabs at once, but no more than this memory.
-constexpr std::size_t most_plane_bytes = std::size_t{64} << 20;
-constexpr int least_slots = 8;
 /// While a Renderer waits for slices it paints so many slabs or more, a group of pixels at a time, so that
 /// other nodes of its rank need not wait.
 constexpr std::size_t least_at_once = 12;
 constexpr int groups_at_once = 16;
+/// Values of so many volumes fit into a pixel of an image.
+constexpr std::size_t values_an_image = 3;
 
-/// Draws sheets on a Renderer. A slab between the slices of two steps is painted once the slice behind them
-/// is there or known not to come, together with as many others as there are.
+/// Draws sheets on a Renderer, of one volume or of several that are projected along the same rays. A slab
+/// between the slices of two steps is painted once the slice behind them is there or known not to come,
+/// together with as many others as there are.
 class SheetPainter final : public FramePainter<SheetFrame> {
  public:
-  using FramePainter::FramePainter;
+  SheetPainter(int renderer, ThreadTeam& threads) : FramePainter(renderer, threads), more_(renderer) {}
 
   void begin_frame(std::shared_ptr<const SheetFrame> frame) override {
     FramePainter::begin_frame(std::move(frame));
-    tiles_.lay_out(geometry().regions, images_.owned());
     rays_ = make_sheet_rays(*frame_);
     windows_.emplace(geometry());
     layers_.begin_frame(*frame_, renderer_);
-    slabs_.clear();
+    const auto frames = channels_of(frame_);
+    shown_.clear();
+    for (const auto& one : frames) {
+      shown_.push_back(&volumes_[one->volume]);
+      shown_.back()->begin_frame(one, rays_, images_.owned(), frames.size());
+    }
+    if (frames.size() > values_an_image)
+      more_.begin_frame(geometry().regions, frame_->drawers, frame_->shown.opaque_threshold);
     painting_ = 0;
     step_ = -1;
-    payload_.reset();
     concluded_ = false;
-    ready_ = false;
   }
 
   bool prepare() override {
-    if (!ready_) {
-      if (!range_) return false;
-      make_ready();
-      return true;
-    }
+    for (PaintedVolume* volume : shown_)
+      if (volume->prepare()) return true;
     const std::size_t complete = complete_before(step_ + 1);
     if (painting_ == 0 && complete < least_at_once) return false;
     paint_some(complete, 1);
@@ -69,36 +61,41 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void begin(const PayloadToDraw& payload) override {
     read(payload);
     step_ = payload.step;
-    counts_.drawn += payload_->header.present;
-    counts_.kept += payload_->kept;
-    for (const BlockRow& row : payload_->rows) counts_.blocks += std::uint64_t(row.end - row.first);
+    for (const PaintedVolume* volume : shown_) {
+      if (!volume->payload) continue;
+      const SheetPayload& its = *volume->payload;
+      counts_.drawn += its.header.present;
+      counts_.kept += its.kept;
+      for (const BlockRow& row : its.rows) counts_.blocks += std::uint64_t(row.end - row.first);
+    }
   }
 
   bool work() override {
     if (make_room(step_)) return false;
-    planes_.place(step_, *payload_, geometry().grid.type);
+    for (PaintedVolume* volume : shown_)
+      if (volume->payload) volume->place(step_);
     if (step_ == 0) add_slab(-1, windows_->before_first);
     add_slab(step_, windows_->behind(step_));
-    payload_.reset();
+    forget_payload();
     return true;
   }
 
   void skip(const PayloadToDraw& payload) override {
     read(payload);
-    planes_.keep(*payload_, geometry().grid.type);
-    payload_.reset();
+    for (PaintedVolume* volume : shown_)
+      if (volume->payload) volume->keep();
+    forget_payload();
   }
 
   bool conclude() override {
-    if (slabs_.empty()) return false;
-    const int slices = geometry().slices;
+    if (pending().empty()) return false;
     if (!concluded_) {
-      if (make_room(slices)) return true;
-      if (frame_->lit() && slabs_.back().step >= slices - 1)
-        planes_.extrapolate(slices, slices - 1, std::max(slices - 2, 0));
+      if (make_room(geometry().slices)) return true;
+      for (PaintedVolume* volume : shown_)
+        if (volume->ready()) volume->extrapolate_end();
       concluded_ = true;
     }
-    paint_some(slabs_.size(), groups_at_once);
+    paint_some(pending().size(), groups_at_once);
     return true;
   }
 
@@ -118,103 +115,47 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   }
 
  private:
+  const std::vector<SheetSlab>& pending() const { return shown_.front()->slabs; }
+
   void read(const PayloadToDraw& payload) {
     read_payload(payload.step, [&] {
-      payload_ = read_sheet_payload(payload.body, rays_.voxels[0], rays_.voxels[1], geometry().grid.type);
-      const std::uint16_t plane = payload_->header.plane;
-      if (plane != no_plane && int(plane) >= geometry().slices)
-        throw RunError(fmt::format("plane {} of {} slices", plane, geometry().slices));
+      if (shown_.size() == 1) return shown_.front()->read(payload.body, renderer_);
+      JoinedPart part;
+      int least = 0;
+      for (std::size_t at = 0; at < payload.body.size(); at += part.bytes) {
+        if (!take_part(payload.body, at, part) || part.number < least || part.number >= int(shown_.size()))
+          throw OtherBuild("a payload of several volumes cannot be read");
+        shown_[std::size_t(part.number)]->read(payload.body.subspan(at, part.bytes), renderer_);
+        least = part.number + 1;
+      }
     });
-    take_range(payload_->header);
   }
-
-  void take_range(const SheetHeader& header) {
-    const bool known = std::isfinite(header.low) && std::isfinite(header.high) && header.low <= header.high;
-    if (!known && is_whole(geometry().grid.type))
-      throw OtherBuild(fmt::format("Renderer {} was told that the volume's values lie between {} and {}",
-                                   renderer_, header.low, header.high));
-    const std::pair told{header.low, header.high};
-    if (ready_ && told == range_) return;
-    range_ = told;
-    make_ready();
-  }
-
-  /// Makes tables and planes for the frame and the volume's range.
-  void make_ready() {
-    ready_ = true;
-    const Sheets& sheets = frame_->sheets;
-    scale_ = value_scale(*frame_, range_->first, range_->second);
-    const PlaneCode& code = scale_.code;
-    if (frame_->composites()) fill_table();
-    const int wide = rays_.voxels[0], high = rays_.voxels[1];
-    const auto affordable = static_cast<int>(
-        std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code), most_slices_kept));
-    planes_.begin_frame(wide, high, std::clamp(affordable, least_slots, most_slices_kept), code,
-                        make_fillers(frame_->transparent, geometry().grid.type, scale_.low, scale_.high));
-    paint_ = {};
-    paint_.rays = rays_;
-    if (frame_->composites())
-      paint_.places =
-          frame_->nearest() ? place_map(*frame_, scale_, values_) : place_map(*frame_, scale_, table_.axis());
-    make_tints();
-    const double largest = std::max(std::abs(code.of(scale_.low)), std::abs(code.of(scale_.high)));
-    paint_.light = code.floats ? gradient_light(*frame_, largest, code.scale)
-                               : gradient_light(*frame_, 4095, code.scale / pair_unit);
-    paint_.nearest = frame_->nearest();
-    paint_.table = paint_.nearest ? values_.entries() : table_.entries();
-    paint_.last_entry = paint_.nearest ? float(values_.last()) : TableAxis::last;
-    if (!paint_.nearest && !table_.depths().empty()) paint_.depths = &table_.depths().front().whole;
-    paint_.slab_length = float(slab_length());
-    paint_.pitch = planes_.pitch();
-    paint_.floats = code.floats;
-    paint_.lit = frame_->lit();
-    paint_.adaptive = sheets.adaptive;
-    paint_.light_points = sheets.light_points;
-    paint_.opaque_threshold = static_cast<float>(frame_->shown.opaque_threshold);
-    paint_.face_pieces = 0.5F * float(frame_->slabs());
-    paint_.projection = make_projection(*frame_, code);
-    for (const LatticePlane& plane : geometry().clip_planes)
-      paint_.clip_planes[std::size_t(paint_.clip_plane_count++)] = make_sheet_plane(plane, geometry());
-  }
-
-  void make_tints() {
-    tints_.fill(0);
-    for (const auto& [label, colour, share] : frame_->shown.tints)
-      for (int c = 0; c < 4; ++c) tints_[std::size_t(4 * label + c)] = c < 3 ? colour[c] : share;
-    if (scale_.code.labelled && frame_->composites()) paint_.tints = tints_.data();
+  void forget_payload() {
+    for (PaintedVolume* volume : shown_) volume->payload.reset();
   }
 
   void colour_projection() {
-    // Nothing was taken where no GP had anything to say.
-    if (!ready_) scale_ = {};
-    const Projection projection = make_projection(*frame_, scale_.code);
-    colours_.set_function(frame_->shown.transfer_function, frame_->shown.mode);
-    // The place of a single slice is where a ray meets it.
-    const SliceLabels labels = geometry().slices == 1 && step_ == 0 && scale_.code.labelled
-                                   ? SliceLabels{planes_.labels(0), planes_.pitch(), tints_.data()}
-                                   : SliceLabels{};
+    std::vector<ProjectedVolume> projected;
+    for (PaintedVolume* volume : shown_) projected.push_back(volume->projected(step_));
     std::atomic<std::size_t> next = 0;
     threads_.run(threads_.size(), [&](int) {
       for (std::size_t slot = next++; slot < images_.count(); slot = next++)
-        colours_.colour(*frame_, rays_, projection, scale_.code, labels, images_.image(slot));
+        colour_region(projected, rays_, images_.image(slot), more_of(slot));
     });
   }
-
-  double slab_length() const { return frame_->step_length() / frame_->slabs(); }
-
-  /// The one that the frame uses.
-  void fill_table() {
-    const TransferFunction& tf = frame_->shown.transfer_function;
-    if (frame_->nearest())
-      values_.make(tf, scale_.low, scale_.high, is_whole(geometry().grid.type), slab_length());
-    else
-      table_.make(tf, scale_.low, scale_.high, slab_length());
+  /// Where a pixel's further values are; null: nowhere.
+  RegionImage* more_of(std::size_t slot) {
+    return shown_.size() > values_an_image ? &more_.image(slot) : nullptr;
   }
 
   /// Room for the slice of `step`: while there is none, paints some of what can be painted without it.
   /// Returns whether it did.
   bool make_room(int step) {
-    if (slabs_.empty() || step - (slabs_.front().step - 2) < planes_.slots()) return false;
+    if (pending().empty()) return false;
+    int slots = most_slices_kept;
+    for (const PaintedVolume* volume : shown_)
+      if (volume->ready()) slots = std::min(slots, volume->slots());
+    if (step - (pending().front().step - 2) < slots) return false;
     paint_some(complete_before(step), groups_at_once);
     return true;
   }
@@ -222,41 +163,23 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   /// How many slabs can be painted without the slice of `step` or later ones.
   std::size_t complete_before(int step) const {
     std::size_t complete = 0;
-    while (complete < slabs_.size() && slabs_[complete].step + 1 < step) ++complete;
+    while (complete < pending().size() && pending()[complete].step + 1 < step) ++complete;
     return complete;
   }
 
   void add_slab(int step, const BlockWindows& windows) {
-    tiles_.add_slab();
     bool any = false;
-    const int slice = geometry().slice_at(step_), layer = geometry().layer_of(slice);
-    payload_->for_each_block([&](int column, int row, std::uint8_t byte) {
-      if ((byte & cells_visible) != 0)
-        any |= tiles_.mark(geometry().in_layer(windows.of(column, row, slice), layer));
-    });
-    if (!any) {
-      tiles_.drop_slab();
-      return;
+    for (PaintedVolume* volume : shown_) {
+      volume->tiles.add_slab();
+      if (volume->payload) any |= volume->mark_tiles(windows, geometry().slice_at(step_));
     }
-    counts_.samples += tiles_.marked() * tile_side * tile_side;
-    slabs_.push_back(make_slab(*frame_, rays_, step));
-  }
-
-  /// Gives the first `count` slabs their planes.
-  void find_planes(std::size_t count) {
-    const int last = geometry().slices - 1;
-    if (frame_->lit() && slabs_.front().step <= 1) planes_.extrapolate(-1, 0, std::min(1, last));
-    for (std::size_t k = 0; k < count; ++k) {
-      SheetSlab& slab = slabs_[k];
-      const int back = std::min(slab.step, last), front = std::max(slab.step - 1, 0);
-      slab.front = planes_.plane(front);
-      slab.back = planes_.plane(back);
-      slab.front_labels = planes_.labels(front);
-      slab.back_labels = planes_.labels(back);
-      slab.before = planes_.plane(slab.step == last + 1 ? last - 1 : front - 1);
-      slab.after = planes_.plane(slab.step == 0 ? 1 : back + 1);
-      // The one slice of a volume has itself on both sides.
-      if (last == 0) slab.before = slab.after = slab.front;
+    for (PaintedVolume* volume : shown_) {
+      if (!any) {
+        volume->tiles.drop_slab();
+        continue;
+      }
+      counts_.samples += volume->tiles.marked() * tile_side * tile_side;
+      volume->slabs.push_back(make_slab(volume->frame(), rays_, step));
     }
   }
 
@@ -264,7 +187,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   /// were begun before.
   void paint_some(std::size_t count, int groups) {
     if (painting_ == 0) {
-      find_planes(count);
+      for (PaintedVolume* volume : shown_) volume->find_planes(count);
       painting_ = count;
       next_group_ = 0;
       find_groups();
@@ -276,59 +199,69 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     if (end < groups_.size()) return;
     for (std::size_t slot = 0; slot < images_.count(); ++slot)
       if (images_.image(slot).touched()) images_.image(slot).slices_composited(int(painting_));
-    slabs_.erase(slabs_.begin(), slabs_.begin() + std::ptrdiff_t(painting_));
-    tiles_.drop_first(painting_);
+    for (PaintedVolume* volume : shown_) {
+      volume->slabs.erase(volume->slabs.begin(), volume->slabs.begin() + std::ptrdiff_t(painting_));
+      volume->tiles.drop_first(painting_);
+    }
     painting_ = 0;
   }
 
   /// Finds the groups that the slabs may show. Their images' memory is made before threads share them.
   void find_groups() {
     groups_.clear();
-    for (std::size_t g = 0; g < tiles_.groups().size(); ++g) {
-      const auto shows = [&](std::size_t slab) {
-        return tiles_.masks_of(g)[std::ptrdiff_t(slab) * tiles_.stride()] != 0;
+    const auto& all = shown_.front()->tiles.groups();
+    for (std::size_t g = 0; g < all.size(); ++g) {
+      const auto shows = [&](const PaintedVolume* volume) {
+        const MaskedSlabs slabs = slabs_of(*volume, g);
+        return std::ranges::any_of(std::views::iota(std::ptrdiff_t{0}, std::ptrdiff_t(painting_)),
+                                   [&](auto k) { return slabs.masks[k * slabs.stride] != 0; });
       };
-      if (std::ranges::none_of(std::views::iota(std::size_t{0}, painting_), shows)) continue;
+      if (std::ranges::none_of(shown_, shows)) continue;
       groups_.push_back(g);
-      images_.image(tiles_.groups()[g].slot).pixels();
+      images_.image(all[g].slot).pixels();
+      if (RegionImage* more = more_of(all[g].slot)) more->pixels();
     }
+  }
+  MaskedSlabs slabs_of(const PaintedVolume& volume, std::size_t group) const {
+    return {std::span(volume.slabs).first(painting_), volume.tiles.masks_of(group), volume.tiles.stride()};
   }
 
   void paint_groups(std::size_t end) {
     for (std::size_t next = next_group_++; next < end; next = next_group_++) {
       const std::size_t g = groups_[next];
-      const auto& group = tiles_.groups()[g];
+      const auto& group = shown_.front()->tiles.groups()[g];
       RegionImage& image = images_.image(group.slot);
       const PixelRect& rect = image.rect();
       const int x = group.column * group_side, y = group.row * group_side;
       const int above = geometry().layers.slices > 0 ? rect.y0 % geometry().layers.height : rect.y0;
-      PixelGroup pixels{rect.x0 + x,
-                        above + y,
-                        std::min(group_side, rect.width() - x),
-                        std::min(group_side, rect.height() - y),
-                        image.pixels() + y * image.row_floats() + 4 * x,
-                        image.row_floats()};
-      paint_group(paint_, pixels, {std::span(slabs_).first(painting_), tiles_.masks_of(g), tiles_.stride()});
+      const std::ptrdiff_t first = y * image.row_floats() + 4 * x;
+      RegionImage* const more = more_of(group.slot);
+      paint(g, {rect.x0 + x, above + y, std::min(group_side, rect.width() - x),
+                std::min(group_side, rect.height() - y), image.pixels() + first, image.row_floats(),
+                more != nullptr ? more->pixels() + first : nullptr});
     }
   }
 
-  VisibleTiles tiles_;
+  void paint(std::size_t g, const PixelGroup& pixels) const {
+    if (shown_.size() == 1) return paint_group(shown_.front()->paint(), pixels, slabs_of(*shown_.front(), g));
+    // Volumes of floats have planes of another kind than those of few whole numbers.
+    for (const bool floats : {false, true}) {
+      std::vector<PaintedChannel> channels;
+      for (std::size_t k = 0; k < shown_.size(); ++k)
+        if (shown_[k]->ready() && shown_[k]->paint().floats == floats)
+          channels.push_back({&shown_[k]->paint(), slabs_of(*shown_[k], g), int(k)});
+      if (!channels.empty()) paint_channels(channels, shown_.size(), pixels);
+    }
+  }
+
+  std::map<std::size_t, PaintedVolume> volumes_;  ///< by number
+  std::vector<PaintedVolume*> shown_;             ///< in the frame
+  OwnedImages more_;                              ///< further values of the images' pixels
   LayerSum layers_;
   SheetRays rays_;
   std::optional<SlabWindows> windows_;
-  ProjectionColours colours_;                       ///< where slabs are not composited
-  std::optional<std::pair<double, double>> range_;  ///< the volume's values, as last told
-  ValueScale scale_;
-  SlabTable table_;
-  ValueTable values_;  ///< instead, where values are the nearest voxels'
-  ScalarPlanes planes_;
-  SheetPaint paint_;
-  TintTable tints_{};
-  bool ready_ = false;  ///< tables and planes are the frame's
-  std::optional<SheetPayload> payload_;
   int step_ = 0;
-  std::vector<SheetSlab> slabs_;             ///< pending ones, front to back; masks in tiles_
-  std::size_t painting_ = 0;                 ///< how many of them are being painted
+  std::size_t painting_ = 0;                 ///< how many of the pending slabs are being painted
   std::vector<std::size_t> groups_;          ///< those that they may show
   std::atomic<std::size_t> next_group_ = 0;  ///< in groups_
   bool concluded_ = false;                   ///< the last slice's surroundings are there

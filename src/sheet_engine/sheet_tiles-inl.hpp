@@ -132,7 +132,7 @@ class SheetTiles : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
       const int t = list_[k];
       list_[kept] = t;
       typename Base::ColumnRanges ranges;
-      const bool known = this->find_ranges(rays_.ends(state_[t].ray), ranges);
+      const bool known = this->find_ranges(*slab_, rays_.ends(state_[t].ray), ranges);
       kept += !known || numbers_may_show(ranges) ? 1 : 0;
     }
     constexpr int few = 8, next = 6;

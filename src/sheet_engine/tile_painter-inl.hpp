@@ -22,6 +22,7 @@ namespace ringsplat::HWY_NAMESPACE {
 /// A tile's pixels while slabs are painted.
 template <class Rays>
 struct TilePixels {
+  static constexpr bool has_more = false;  ///< of PixelGroup::more
   F red, green, blue, opacity;
   typename Rays::Tile ray;
   bool started = false, dead = false;
@@ -36,26 +37,24 @@ class TilePainter {
 
   void store_pixels() {
     for (int t = 0; t < tiles; ++t) {
-      HWY_ALIGN float rgba[4][lanes];
       const State& s = state_[t];
       if (!s.started) continue;
-      ringsplat::HWY_NAMESPACE::store(s.red, rgba[0]);
-      ringsplat::HWY_NAMESPACE::store(s.green, rgba[1]);
-      ringsplat::HWY_NAMESPACE::store(s.blue, rgba[2]);
-      ringsplat::HWY_NAMESPACE::store(s.opacity, rgba[3]);
-      if (is_whole()) {
-        store_rows(rgba, pixel_of(t, 0), group_.row_floats);
-        continue;
-      }
-      for (int l = 0; l < lanes; ++l)
-        if (float* pixel = pixel_of(t, l))
-          for (int c = 0; c < 4; ++c) pixel[c] = rgba[c][l];
+      const F rgba[] = {s.red, s.green, s.blue, s.opacity};
+      store_pixels(t, rgba, group_.rgba);
+      if constexpr (State::has_more)
+        if (group_.more != nullptr) store_pixels(t, s.more, group_.more);
     }
   }
 
  protected:
   using Planes = typename Sampler::Plane;
   static constexpr int across = group_side / tile_width, tiles = across * (group_side / tile_height);
+
+  /// A tile's bit in a TileMask.
+  static int mask_bit(int t) {
+    return (t / across) * tile_height / tile_side * (group_side / tile_side) +
+           (t % across) * tile_width / tile_side;
+  }
 
   /// Begins a slab: lists its tiles that still take something.
   void begin(const SheetSlab& slab, TileMask mask) {
@@ -99,14 +98,14 @@ class TilePainter {
 
   /// Of all voxels that lanes between these ends interpolate, in the slices before and behind the slab.
   /// Returns false where that says nothing or takes long: of floats, and of many columns or rows.
-  HWY_INLINE bool find_ranges(const Ends& ends, ColumnRanges& ranges) const {
+  HWY_INLINE bool find_ranges(const SheetSlab& slab, const Ends& ends, ColumnRanges& ranges) const {
     if constexpr (std::is_same_v<typename Sampler::Number, std::int16_t>) {
       const auto [u, columns] = voxels_between(ends.low_u, ends.high_u, p_.rays.voxels[0]);
       const auto [v, rows] = voxels_between(ends.low_v, ends.high_v, p_.rays.voxels[1]);
       if (columns > ColumnRanges::at_once || rows > ColumnRanges::at_once) return false;
       const typename ColumnRanges::D d;
-      auto front = static_cast<const std::int16_t*>(slab_->front) + v * p_.pitch + u,
-           back = static_cast<const std::int16_t*>(slab_->back) + v * p_.pitch + u;
+      auto front = static_cast<const std::int16_t*>(slab.front) + v * p_.pitch + u,
+           back = static_cast<const std::int16_t*>(slab.back) + v * p_.pitch + u;
       auto low = hn::LoadU(d, front), high = low;
       for (int row = 0; row < rows; ++row, front += p_.pitch, back += p_.pitch) {
         const auto a = hn::LoadU(d, front), b = hn::LoadU(d, back);
@@ -208,33 +207,45 @@ class TilePainter {
     const int last = voxels - 1, first = std::clamp(low >> position_bits, 0, std::max(last - 1, 0));
     return {first, std::clamp((high >> position_bits) + 1, first, last) - first + 1};
   }
-  static int mask_bit(int t) {
-    return (t / across) * tile_height / tile_side * (group_side / tile_side) +
-           (t % across) * tile_width / tile_side;
-  }
   bool is_whole() const { return group_.width == group_side && group_.height == group_side; }
-  float* pixel_of(int t, int lane) const {
+  float* pixel_of(int t, int lane, float* first) const {
     const int x = (t % across) * tile_width + lane % tile_width,
               y = (t / across) * tile_height + lane / tile_width;
-    return x < group_.width && y < group_.height ? group_.rgba + y * group_.row_floats + 4 * x : nullptr;
+    return x < group_.width && y < group_.height ? first + y * group_.row_floats + 4 * x : nullptr;
+  }
+  /// `first`: the group's first pixel, of four floats.
+  void store_pixels(int t, const F (&four)[4], float* first) const {
+    HWY_ALIGN float parts[4][lanes];
+    for (int c = 0; c < 4; ++c) ringsplat::HWY_NAMESPACE::store(four[c], parts[c]);
+    if (is_whole()) return store_rows(parts, pixel_of(t, 0, first), group_.row_floats);
+    for (int l = 0; l < lanes; ++l)
+      if (float* pixel = pixel_of(t, l, first))
+        for (int c = 0; c < 4; ++c) pixel[c] = parts[c][l];
+  }
+  void load_pixels(int t, float* first, F (&four)[4]) const {
+    HWY_ALIGN float parts[4][lanes];
+    if (is_whole())
+      load_rows(pixel_of(t, 0, first), group_.row_floats, parts);
+    else
+      for (int l = 0; l < lanes; ++l) {
+        const float* pixel = pixel_of(t, l, first);
+        for (int c = 0; c < 4; ++c) parts[c][l] = pixel != nullptr ? pixel[c] : 0.0F;
+      }
+    for (int c = 0; c < 4; ++c) four[c] = load(parts[c]);
   }
 
   void start(int t) {
     State& s = state_[t];
     s.started = true;
     s.ray = rays_.start(group_.x + (t % across) * tile_width, group_.y + (t / across) * tile_height);
-    HWY_ALIGN float rgba[4][lanes];
-    if (is_whole())
-      load_rows(pixel_of(t, 0), group_.row_floats, rgba);
-    else
-      for (int l = 0; l < lanes; ++l) {
-        const float* pixel = pixel_of(t, l);
-        for (int c = 0; c < 4; ++c) rgba[c][l] = pixel != nullptr ? pixel[c] : 0.0F;
-      }
-    s.red = load(rgba[0]);
-    s.green = load(rgba[1]);
-    s.blue = load(rgba[2]);
-    s.opacity = load(rgba[3]);
+    F rgba[4];
+    load_pixels(t, group_.rgba, rgba);
+    s.red = rgba[0];
+    s.green = rgba[1];
+    s.blue = rgba[2];
+    s.opacity = rgba[3];
+    if constexpr (State::has_more)
+      if (group_.more != nullptr) load_pixels(t, group_.more, s.more);
   }
 };
 

@@ -7,8 +7,8 @@
 #include "frame/frame_geometry.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "net/message.hpp"
-#include "protocol/bundle_engine.hpp"
 #include "protocol/engine_decorator.hpp"
+#include "protocol/joined_step.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"
 #include "sheet_engine/sheet_engine.hpp"
@@ -74,7 +74,7 @@ class CountingEncoder final : public EncoderDecorator {
     const auto body = std::span<const std::byte>(part.payload).subspan(sizeof(Header));
     std::size_t bytes = 0;
     for (std::size_t at = 0; at < body.size(); ++said.slices) {
-      BundlePart head;
+      JoinedPart head;
       MeasuredPayload slice;
       if ((joined_ && !take_part(body, at, head)) || !take(body, at, slice)) break;
       bytes = joined_ ? joined_with(bytes, slice.bytes) : slice.bytes;
@@ -191,8 +191,9 @@ class MeasuredSplats final : public SplatEngine {
       : SplatEngine(setup), voxel_weight_(voxel_weight) {}
 
  private:
-  std::shared_ptr<const SplatFrame> make_frame(const FrameSpec& spec) override {
-    return make_weighed_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, voxel_weight_, &dealer_);
+  std::shared_ptr<const SplatFrame> make_frame(const std::vector<FrameOfVolume>& frames) override {
+    return make_weighed_frame(frames.front().spec, setup_.grid, setup_.dealing(), setup_.renderers,
+                              voxel_weight_, &dealers_.front());
   }
   std::unique_ptr<Encoder> make_encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) override {
     return make_measuring_encoder(SplatEngine::make_encoder(frame, space),
@@ -223,7 +224,7 @@ class MeasuredSheets final : public SheetEngine {
 std::unique_ptr<Engine> make_counting_engine(EngineSetup setup, double voxel_weight) {
   setup.skip_empty = false;
   auto engine =
-      make_engines({setup}, {maker_of<MeasuredSplats>(voxel_weight), maker_of<MeasuredSheets>(voxel_weight)});
+      make_engines(setup, {maker_of<MeasuredSplats>(voxel_weight), maker_of<MeasuredSheets>(voxel_weight)});
   return std::make_unique<CountingEngine>(std::move(engine), voxel_weight);
 }
 

@@ -10,8 +10,8 @@
 #include "net/lock_step.hpp"
 #include "net/message.hpp"
 #include "net/transport.hpp"
-#include "protocol/bundle_engine.hpp"
 #include "protocol/engine_decorator.hpp"
+#include "protocol/joined_step.hpp"
 #include "session/render_frames.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "simulate/charge.hpp"
@@ -220,7 +220,7 @@ class ChargedEngine final : public EngineDecorator {
 
 int slices_of_bundle(std::span<const std::byte> payload) {
   int slices = 0;
-  BundlePart part;
+  JoinedPart part;
   for (std::size_t at = 0; at < payload.size() && take_part(payload, at, part); at += part.bytes) ++slices;
   return slices;
 }
@@ -244,7 +244,7 @@ void simulate(const SimulationOptions& simulation, EngineOptions& options) {
         setup.sheet_costs = sheet_costs(*machine, simulation.voxel_weight, setup.bundle);
       }
       auto engine = simulation.count_only ? make_counting_engine(setup, simulation.voxel_weight)
-                                          : make_rank_engine({setup});
+                                          : make_rank_engine(setup);
       if (!machine) return engine;
       return std::make_unique<ChargedEngine>(std::move(engine), *machine,
                                              slices_of(simulation, setup.bundle));

@@ -41,12 +41,17 @@ class SplatEngine : public FrameEngine<SplatFrame, EmptySpace> {
       : FrameEngine(setup), encoder_threads_(setup.threads), painter_threads_(setup.threads) {}
 
  protected:
-  std::shared_ptr<const SplatFrame> make_frame(const FrameSpec& spec) override {
-    return std::make_shared<SplatFrame>(spec, make_geometry(spec, setup_.grid), setup_.dealing(),
-                                        setup_.renderers, &dealer_);
+  std::shared_ptr<const SplatFrame> make_frame(const std::vector<FrameOfVolume>& frames) override {
+    const auto& [volume, spec] = frames.front();
+    if (frames.size() > 1) throw RunError("splats of several volumes are not drawn as one");
+    auto frame = std::make_shared<SplatFrame>(spec, make_geometry(spec, setup_.grid), setup_.dealing(),
+                                              setup_.renderers, &dealers_[volume]);
+    frame->volume = volume;
+    return frame;
   }
   std::unique_ptr<Encoder> make_encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) override {
-    return make_splat_encoder(std::move(frame), setup_.renderers, *setup_.slices, space, encoder_threads_,
+    const SliceStore& slices = slices_of(*frame);
+    return make_splat_encoder(std::move(frame), setup_.renderers, slices, space, encoder_threads_,
                               setup_.skip_empty);
   }
   std::unique_ptr<FramePainter<SplatFrame>> make_painter(int renderer) override {

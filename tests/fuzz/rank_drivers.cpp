@@ -88,7 +88,7 @@ class Rank {
         .slices = std::make_shared<const SliceStore>(rank < layout.gps ? scene_of(job).stores.at(rank)
                                                                        : SliceStore()),
         .take = [this](std::int64_t frame, Image&& p) { frames_.take_picture(frame, std::move(p)); }};
-    return jobs()[job].count_only ? make_counting_engine(setup, 1) : make_rank_engine({setup});
+    return jobs()[job].count_only ? make_counting_engine(setup, 1) : make_rank_engine(setup);
   }
   DirectedFrames frames_;
   std::unique_ptr<Engine> engine_;

@@ -1,4 +1,5 @@
 #include "protocol/bundle_engine.hpp"
+#include "protocol/joined_step.hpp"
 
 #include <cstring>
 
@@ -66,9 +67,9 @@ TEST_CASE("a bundle's payload has its slices' payloads and says as much as they 
   const auto body = std::span<const std::byte>(part.payload).subspan(sizeof(Header));
   std::size_t at = 0, joined = 0;
   for (int slice = 1; slice <= 4; ++slice) {
-    BundlePart head;
+    JoinedPart head;
     REQUIRE(take_part(body, at, head));
-    CHECK(head.slice_step == slice + 1);
+    CHECK(head.number == slice + 1);
     CHECK(head.bytes == sizeof(ToyItem));
     joined = joined_with(joined, head.bytes);
     at += head.bytes;
@@ -91,7 +92,7 @@ TEST_CASE("a damaged payload of a bundle is refused with the Renderer's and the 
   const auto refused = Catch::Matchers::Contains("Renderer 0 got a payload of bundle");
   for (std::size_t size = sizeof(Header); size < whole.size(); ++size) {
     // At the end of a slice's part what is left is whole, but has fewer slices.
-    const std::size_t part = sizeof(BundlePart) + sizeof(ToyItem);
+    const std::size_t part = sizeof(JoinedPart) + sizeof(ToyItem);
     if (size > sizeof(Header) && (size - sizeof(Header)) % part == 0) continue;
     CAPTURE(size);
     CHECK_THROWS_WITH(draw(1, Bytes(whole.begin(), whole.begin() + std::ptrdiff_t(size))), refused);
@@ -99,7 +100,7 @@ TEST_CASE("a damaged payload of a bundle is refused with the Renderer's and the 
   for (const int bundle : {-1, 0, 2, 3, 100}) CHECK_THROWS_WITH(draw(bundle, whole), refused);
   const auto with_step = [&](std::size_t part, std::int32_t step) {
     Bytes wire = whole;
-    std::memcpy(wire.data() + sizeof(Header) + part * (sizeof(BundlePart) + sizeof(ToyItem)), &step,
+    std::memcpy(wire.data() + sizeof(Header) + part * (sizeof(JoinedPart) + sizeof(ToyItem)), &step,
                 sizeof step);
     return wire;
   };

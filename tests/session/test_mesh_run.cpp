@@ -219,11 +219,11 @@ TEST_CASE("the watchdog ends a rank's run and says whom it waits for") {
   std::vector<std::unique_ptr<Host>> ranks;
   for (int rank = 0; rank < mesh.ranks(); ++rank) {
     engines.push_back(
-        make_rank_engine({{.grid = scene.grid,
-                           .gps = mesh.gps,
-                           .renderers = mesh.renderers,
-                           .slices = std::make_shared<const SliceStore>(
-                               rank < mesh.gps ? std::move(scene.stores.at(rank)) : SliceStore())}}));
+        make_rank_engine({.grid = scene.grid,
+                          .gps = mesh.gps,
+                          .renderers = mesh.renderers,
+                          .slices = std::make_shared<const SliceStore>(
+                              rank < mesh.gps ? std::move(scene.stores.at(rank)) : SliceStore())}));
     ranks.push_back(
         std::make_unique<Host>(mesh, ProtocolOptions{.slots = 1, .link_slots = 1, .stall_timeout = 0.05},
                                network.transport(rank), *engines.back(), rank == 0 ? &frames : nullptr));

@@ -63,7 +63,9 @@ TEST_CASE("an engine refuses a frame of another number than its message has, or 
   SplatEngine engine({.grid = grid, .slices = std::make_shared<const SliceStore>(empty_store)});
   FrameSpec spec = small_frame();
   const auto plan = [&](std::int64_t frame) {
-    return message_of<RunError>([&] { static_cast<void>(engine.plan({frame, encode(spec)})); });
+    return message_of<RunError>([&] {
+      static_cast<void>(engine.plan({frame, encode(std::vector{FrameOfVolume{0, spec}})}));
+    });
   };
   CHECK(plan(0).empty());
   CHECK_THAT(plan(3), Catch::Matchers::Contains("frame 0 in a message about frame 3"));
