@@ -87,8 +87,10 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
   Progress progress(launch.rank() != 0 || simulated(), to_stdout ? stderr : stdout);
   const std::size_t views = o.frames ? job.series.size() : job.cameras.size();
   SeriesLoader loader(job, pictures_at_once(job, views), progress, launch);
-  Scene scene = loader.load(0);
-  std::vector<FrameSpec> frames{choose_frame(job, scene, progress, launch)};
+  Scene scene;
+  loader.load_together(scene, 0);
+  std::vector<FrameSpec> frames;
+  choose_frames(job, scene, frames, progress, launch);
   const ValueRange range = scene.values.range;
   if (job.annotation) job.annotation->keep_range(range);
   FrameOutput output(job, range, progress);
@@ -110,17 +112,14 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
   ProtocolOptions protocol = o.run.protocol;
   if (!o.trace.empty()) protocol.trace = &trace;
   try {
-    for (std::size_t k = 0; k < job.parts(); ++k) {
-      const std::size_t channel = k % job.channels_drawn();
-      if (k > 0) scene = loader.load(k);
-      if (k > 0 && k < job.channels_drawn())
-        frames.push_back(choose_frame(job, scene, progress, launch, channel));
-      loader.read_ahead(k + 1);
-      if (channel == 0) output.show(job.part(k).path, scene.values.range);
-      render_all(
-          job, protocol, std::exchange(scene, {}),
-          stream ? director_of(frames[0], stream, sum, progress) : director_of(job, k, frames[channel], sum),
-          launch);
+    for (std::size_t k = 0; k < job.parts(); k += job.at_once) {
+      if (k > 0) loader.load_together(scene, k);
+      if (frames.size() < job.channels_drawn()) choose_frames(job, scene, frames, progress, launch);
+      loader.read_ahead(k + job.at_once);
+      if (k % job.channels_drawn() == 0) output.show(job.part(k).path, scene.values.range);
+      render_all(job, protocol, std::exchange(scene, {}),
+                 stream ? director_of(frames[0], stream, sum, progress) : director_of(job, k, frames, sum),
+                 launch);
     }
   } catch (const InputError&) {
     progress.end();

@@ -157,13 +157,15 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
     pictures.push_back(picture_of(std::move(result), o, range, job.annotation, job.channels));
     progress.at(double(pictures.size()));
   });
-  for (std::size_t channel = 0; channel < job.channels_drawn(); ++channel) {
-    if (channel > 0) job.volume = app::open(job.part(channel), launch);
-    Scene scene = app::load(job, job.volume, progress, launch);
-    const FrameSpec frame = app::choose_frame(job, scene, progress, launch, channel);
+  app::SeriesLoader loader(job, app::pictures_at_once(job, job.cameras.size()), progress, launch);
+  std::vector<FrameSpec> frames;
+  for (std::size_t channel = 0; channel < job.channels_drawn(); channel += job.at_once) {
+    Scene scene;
+    loader.load_together(scene, channel);
+    app::choose_frames(job, scene, frames, progress, launch);
     if (channel == 0) range = scene.values.range;
     progress.begin("rendering", double(job.cameras.size()));
-    app::render_all(job, o.run.protocol, std::move(scene), app::director_of(job, channel, frame, sum),
+    app::render_all(job, o.run.protocol, std::move(scene), app::director_of(job, channel, frames, sum),
                     launch);
     progress.end();
   }
