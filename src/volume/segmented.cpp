@@ -39,14 +39,24 @@ struct LatticeMap {
   }
 };
 
-/// Of voxels without data, as a number of the grid's type.
-double outside_value(const VolumeNotes& notes, ScalarType type) {
+/// Of voxels without data, as a number of the volume's type. Many files do not say that they are of a CT: its
+/// first slice has air.
+double outside_value(VolumeSource& volume) {
+  const VolumeNotes notes = volume.notes();
   if (notes.fill) return *notes.fill;
   constexpr double nothing = std::numeric_limits<double>::quiet_NaN(), air = -1000;
-  return visit_type(type, [&](auto zero) {
+  std::vector<std::byte> slice(volume.grid().slice_bytes(Axis::z));
+  return visit_type(volume.grid().type, [&](auto zero) {
     using T = decltype(zero);
     if (std::is_floating_point_v<T>) return nothing;
-    return notes.modality == "CT" && double(std::numeric_limits<T>::lowest()) < air ? air : 0.0;
+    if (double(std::numeric_limits<T>::lowest()) >= air) return 0.0;
+    bool is_ct = notes.modality == "CT";
+    if (notes.modality.empty()) {
+      volume.read_slices(0, 1, slice);
+      for_values(volume.grid().type, slice,
+                 [&](const auto& values) { is_ct = double(std::ranges::min(values)) < air / 2; });
+    }
+    return is_ct ? air : 0.0;
   });
 }
 
@@ -169,7 +179,7 @@ class SegmentedSource final : public ForwardingSource {
       : ForwardingSource(std::move(volume)),
         labels_(std::move(labels)),
         hides_(hides),
-        outside_(outside_value(source_.notes(), grid().type)) {}
+        outside_(hides ? outside_value(source_) : 0) {}
 
   bool concurrent() const override { return source_.concurrent() && labels_->concurrent(); }
   VolumeSource* labels() override { return hides_ ? nullptr : labels_.get(); }

@@ -108,6 +108,18 @@ TEST_CASE("outside of a mask are voxels without data") {
       [](int v) { return v == -99; });
 }
 
+TEST_CASE("what a mask leaves out of a CT is air, also where no file says that it is one") {
+  const auto left_out = [](int in_first_slice) {
+    const auto masked = segmented_source(
+        source_of<std::int16_t>(cube(side, ScalarType::int16), {},
+                                [=](int x, int, int z) { return z == 0 && x == 3 ? in_first_slice : 40; }),
+        labelled(), {{2, 2}});
+    return slices_of<std::int16_t>(*masked, side - 1, 1).front();
+  };
+  CHECK(left_out(-1020) == -1000);
+  CHECK(left_out(-200) == 0);
+}
+
 TEST_CASE("a segmentation of another grid is looked up where voxels lie") {
   const VolumeNotes patient{.world = World::patient};
   // Voxels twice as large, of which the first lies over voxels 2 and 3.
