@@ -6,6 +6,7 @@
 
 #include "base/archive.hpp"
 #include "base/log.hpp"
+#include "base/printable.hpp"
 #include "base/process.hpp"
 #include "base/thread_team.hpp"
 #include "forecast/forecast.hpp"
@@ -278,7 +279,9 @@ Scene load(const Job& job, OpenedVolume& volume, Progress& progress, Launch& lau
   Scene scene = load_scene(volume, told, job.layout, launch.wiring(job.options.run.loopback));
   progress.end();
   volume.source.reset();
-  check_values(scene.values, "check the file's --type and --endian");
+  const auto& mask = job.options.volume.mask.path;
+  check_values(scene.values, mask.empty() ? "check the file's --type and --endian"
+                                          : fmt::format("look what {} covers of it", printable(mask)));
   return scene;
 }
 

@@ -69,15 +69,17 @@ void finish(FrameOutput& output, Launch& launch) {
 /// Says which volumes there are, and that transfer functions are those of the first, so that colours mean the
 /// same in all pictures.
 void say_series(const Job& job, const std::string& function, const ValueRange& range, Progress& progress) {
-  progress.print(fmt::format(
-      "{} volumes, {} to {}; the transfer function {} of the first, {:g} to {:g}, is kept for all",
-      job.series.size(), job.name_of_part(0), job.name_of_part(job.parts() - 1), function, range.low,
-      range.high));
+  const std::string kept = job.channels.empty()
+                               ? fmt::format("transfer function {} of the first, {:g} to {:g}, is", function,
+                                             range.low, range.high)
+                               : "channels' windows of the first are";
+  progress.print(fmt::format("{} volumes, {} to {}; the {} kept for all", job.series.size(),
+                             job.series.front().name, job.series.back().name, kept));
 }
 
 }  // namespace
 
-/// Each volume, or channel, is drawn while the next is read.
+/// Each volume is drawn while the next is read.
 ExitCode run(const RenderOptions& given, Launch& launch) {
   Job job = prepare(given, launch);
   const RenderOptions& o = job.options;

@@ -42,7 +42,9 @@ struct WebServer::Impl {
     if (error)
       throw InputError(fmt::format("the server cannot listen at {}: {}", host_and_port(address, options.port),
                                    error.message()),
-                       "choose another --port; 0 takes any that is free");
+                       error == std::errc::address_not_available
+                           ? "give --bind an address of this machine"
+                           : "choose another --port; 0 takes any that is free");
     const int port = acceptor_.local_endpoint().port();
     const std::string machine = host_name();
     name_ = address.is_unspecified() ? fmt::format("{}:{}", machine.empty() ? "localhost" : machine, port)
