@@ -165,7 +165,7 @@ Data data_of(const ValueStatistics& s) {
   Data d;
   d.bins = s.bins;
   d.all = count_of(d.bins);
-  if (s.grid.voxels() > 1) d.depth = std::cbrt(double(s.grid.voxels()));
+  if (s.grid.voxels() > 1) d.depth = std::cbrt(double(s.grid.voxels())) * s.coarseness();
   take_out_outliers(d);
   take_out_fill(d);
   take_out_outliers(d);

@@ -19,7 +19,7 @@ struct Data {
   double outlier = 0;                            ///< the farthest one
   bool outside_below = false, outside_above = false;
   double all = 0;      ///< voxels, these included
-  double depth = 128;  ///< voxels along a ray through the volume
+  double depth = 128;  ///< voxels along a ray through the volume, of a pyramid its finest level
 
   double low() const { return bins.front().low; }
   double high() const { return bins.back().high; }

@@ -98,6 +98,7 @@ struct ColourOptions {
   Mode mode = Mode::composite;
   std::optional<double> isovalue;  ///< of Mode::surface; without a value one that parts the volume's values
   bool values = false;             ///< instead of colours
+  bool slice = false;              ///< of a single slice, where labels are told apart
 };
 
 /// Which truth a picture is measured against (docs/accuracy.md).

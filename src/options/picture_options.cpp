@@ -141,6 +141,7 @@ void add_clip_options(OptionList& list, RenderOptions& o) {
        text([&o](const std::string& slice, const std::string& option) {
          constexpr std::string_view plane = "plane:";
          o.colour.mode = Mode::mip;
+         o.colour.slice = true;
          o.oblique_slice = slice.starts_with(plane);
          if (o.oblique_slice)
            o.frame.shown.clip_planes = {parse_clip_plane(slice.substr(plane.size()), option + " plane:")};

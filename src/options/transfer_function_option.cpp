@@ -42,6 +42,13 @@ void clear_noted_fill(TransferFunction& tf, const ValueStatistics& values) {
     clear_at(tf, *fill, is_whole(values.grid.type));
 }
 
+/// In single slices, which have no depth.
+void show_labels(Shown& shown) {
+  shown.mode = Mode::composite;
+  shown.shading = Shading::none;
+  for (auto& point : shown.transfer_function.opacities) point.opacity = point.opacity == 0 ? 0 : 1;
+}
+
 }  // namespace
 
 TransferFunctionChoice::TransferFunctionChoice(const std::string& text, const ColourOptions& colour)
@@ -71,7 +78,10 @@ AutoChoice TransferFunctionChoice::base(const ValueStatistics& values) const {
   if (colour_.labels) return choose_labels(values);
   const bool is_auto = !from_file_ && preset_ == "auto";
   const bool windowed = colour_.range || colour_.log || colour_.values;
-  if (is_auto && !windowed && colour_.mode == Mode::composite) return choose_function(values);
+  if (is_auto && !windowed && (colour_.mode == Mode::composite || colour_.slice)) {
+    const AutoChoice chosen = choose_function(values);
+    if (chosen.labels || !colour_.slice) return chosen;
+  }
   DataRange window{0, 1};
   if (colour_.log) window = positive_range(values);
   if (colour_.range) window = *colour_.range;
@@ -100,7 +110,8 @@ MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, Shown& 
     if (colour_.log) tf.colours = on_logarithmic_axis(tf.colours);
   }
   if (colour_.log) clear_below(tf, std::numeric_limits<double>::denorm_min());
-  if (colour_.opacity != 1) scale_opacity(tf, colour_.opacity);
+  // A voxel of a pyramid's coarser level is as dense as those of the finest that it stands for.
+  if (const double denser = colour_.opacity * values.coarseness(); denser != 1) scale_opacity(tf, denser);
   clear_noted_fill(tf, values);
   std::string said = made.why.empty() || colour_.values ? "" : fmt::format("--tf auto: {}", made.why);
   if (ramp_)
@@ -116,6 +127,7 @@ MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, Shown& 
   const Interpolation usual = made.labels ? Interpolation::nearest : Interpolation::linear;
   shown.interpolation = colour_.interpolation.value_or(usual);
   shown.mode = colour_.mode;
+  if (made.labels && colour_.slice) show_labels(shown);
   shown.values = colour_.values;
   return {said, made.labels};
 }

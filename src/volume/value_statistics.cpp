@@ -171,6 +171,11 @@ double count_of(const Bins& bins) {
                          [](double sum, const ValueBin& bin) { return sum + double(bin.count); });
 }
 
+double ValueStatistics::coarseness() const {
+  const auto side = [](const Grid& g) { return std::min({g.spacing.x, g.spacing.y, g.spacing.z}); };
+  return notes.finest ? side(grid) / side(*notes.finest) : 1;
+}
+
 double ValueStatistics::quantile(double share) const {
   if (bins.empty()) return 0;
   if (share <= 0) return range.low;

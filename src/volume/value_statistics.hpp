@@ -105,6 +105,8 @@ struct ValueStatistics {
 
   /// The value below which `share` of the voxels lie; exact to a bin.
   double quantile(double share) const;
+  /// The side of the smallest voxel, in those of a pyramid's finest level.
+  double coarseness() const;
 };
 
 /// Calls its argument with all values of the volume, some rows at a time, and the voxels of a row.

@@ -1,5 +1,9 @@
 // --clip: what people type, and the program itself, in one process and on ranks.
+#include <array>
+#include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/workshop.hpp"
 #include "formats/npy.hpp"
@@ -126,6 +130,55 @@ TEST_CASE("--clip-plane draws the same bits on ranks, in a ring and in a mesh", 
   }
   CHECK(says(files.render("x.exr", {"--clip-plane", "1,0,0,500"}).err,
              "clip planes leave nothing of the volume"));
+}
+
+namespace {
+
+/// Writes a volume of 32 x 32 x 32 values of a NumPy type.
+template <class T>
+void write_cube(const std::string& path, const char* type, const std::function<T(int x, int y)>& value_at) {
+  std::string values;
+  for (int k = 0; k < 32 * 32 * 32; ++k) {
+    const T value = value_at(k % 32, k / 32 % 32);
+    values.append(reinterpret_cast<const char*>(&value), sizeof value);
+  }
+  write_text(path, files::npy(type, "(32, 32, 32)") + values);
+}
+
+}  // namespace
+
+TEST_CASE("values of rays that meet none are told from the least and the greatest") {
+  TemporaryFolder folder;
+  const std::string volume = folder / "half.npy", picture = folder / "x.exr";
+  write_cube<float>(volume, "<f4", [](int x, int) { return x < 12 ? 100.0F : x < 18 ? 200.0F : NAN; });
+  for (const Words& mode : {Words{"--slice", "z=7"}, {"--mode", "mip"}, {"--mode", "minip"}}) {
+    succeeded(run_program(joined({"render", volume, "-o", picture, "--values", "--size", "32"}, mode)));
+    const auto& rgba = read_image(picture).image.rgba;
+    int least = 0, greatest = 0, none = 0;
+    for (std::size_t k = 0; k < rgba.size(); k += 4) {
+      none += rgba[k + 3] == 0;
+      least += rgba[k + 3] == 1 && rgba[k] == Approx(100);
+      greatest += rgba[k + 3] == 1 && rgba[k] == Approx(200);
+    }
+    INFO(mode[1]);
+    CHECK(least > 100);
+    CHECK(greatest > 50);
+    CHECK(none > 200);
+  }
+}
+
+TEST_CASE("a slice of labels has their colours and no others") {
+  TemporaryFolder folder;
+  const std::string volume = folder / "labels.npy", picture = folder / "x.exr";
+  write_cube<std::uint8_t>(volume, "|u1", [](int x, int y) {
+    return x < 6 || y < 6 || (x > 13 && x < 18) ? 0 : x < 16 ? 2 : 7;
+  });
+  std::set<std::array<float, 4>> colours;
+  succeeded(run_program({"render", volume, "-o", picture, "--slice", "z=7", "--size", "100"}));
+  const auto& rgba = read_image(picture).image.rgba;
+  for (std::size_t k = 0; k < rgba.size(); k += 4)
+    colours.insert({rgba[k], rgba[k + 1], rgba[k + 2], rgba[k + 3]});
+  CHECK(colours.size() == 3);
 }
 
 TEST_CASE("an oblique slice has the interpolated values of its plane") {

@@ -123,12 +123,26 @@ TEST_CASE("boxes and slices count voxels of a pyramid's finest level, whichever 
     const auto at = ended.out.find("clip ");
     return ended.out.substr(at + 11, ended.out.find('\n', at) - at - 11);
   };
-  CHECK(shape("1G") == "10:91,0:128,31:33 of 112x128x113");
-  CHECK(shape("1M") == "5:46,0:64,15:17 of 56x64x57");
+  CHECK(shape("1G") == "10:91,0:128,31:33 of 112 x 128 x 124");
+  CHECK(shape("1M") == "5:46,0:64,15:17 of 56 x 64 x 62");
   succeeded(run_program(
       {"render", store, "--slice", "z=61", "--memory", "1M", "-o", by_finest, "--size", "64"}, 2));
   succeeded(run_program({"render", store + "/1", "--slice", "z=30", "-o", by_level, "--size", "64"}));
   CHECK(same_pictures(by_finest, by_level));
+}
+
+TEST_CASE("a coarser level is as dense as the finest") {
+  const TemporaryFolder folder;
+  const std::string store = folder / "head.zarr", finest = folder / "finest.exr",
+                    level = folder / "level.exr";
+  succeeded(run_program({"pyramid", head, store}));
+  for (const char* const function : {"mr-soft", "auto"}) {
+    succeeded(run_program({"render", store, "-o", finest, "--size", "96", "--tf", function}));
+    succeeded(
+        run_program({"render", store, "-o", level, "--size", "96", "--tf", function, "--memory", "1M"}));
+    const Ended ended = succeeded(run_program({"compare", level, finest, "--fail-above", "16"}));
+    INFO(ended.out);
+  }
 }
 
 TEST_CASE("--error tells what a pyramid's level costs against its finest one") {

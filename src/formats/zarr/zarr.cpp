@@ -149,8 +149,9 @@ std::optional<Level> find_level(const Node& group, const Json& image, const std:
     constexpr double gib = 1 << 30;
     if (finer > 0 && !choice.coarser)
       log_info_once(
-          "{}: level {} of {} is shown: the next finer one would take {:.3g} GiB, and --memory allows {:.3g}",
-          group.folder.string(), level.number, level.of, finer / gib, most / gib);
+          "{}: level {} (0 is the finest) is shown: the next finer one would take {:.3g} GiB, and --memory "
+          "allows {:.3g}",
+          group.folder.string(), k, finer / gib, most / gib);
     return level;
   }
   return {};
