@@ -1,19 +1,9 @@
 #include "app/annotation.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <iterator>
-#include <utility>
 
-#include "base/printable.hpp"
-#include "base/srgb.hpp"
 #include "frame/frame_geometry.hpp"
-#include "ringsplat/view/view.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -1,14 +1,6 @@
 #include "app/channels.hpp"
 
-#include <algorithm>
-#include <utility>
-
-#include "base/printable.hpp"
-#include "base/srgb.hpp"
-#include "base/text.hpp"
 #include "formats/channels.hpp"
-#include "options/option_values.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -1,14 +1,9 @@
 #include "app/error_map.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/frame_output.hpp"
-#include "classify/colour_maps.hpp"
 #include "images/image_io.hpp"
 #include "program/text_output.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {

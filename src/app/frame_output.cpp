@@ -1,23 +1,17 @@
 #include "app/frame_output.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/error_map.hpp"
 #include "app/measuring.hpp"
 #include "app/render_job.hpp"
 #include "app/views.hpp"
-#include "base/child_program.hpp"
 #include "base/log.hpp"
 #include "base/median.hpp"
 #include "base/output_file.hpp"
-#include "base/printable.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
-#include "net/message.hpp"
 #include "program/text_output.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 

@@ -1,13 +1,6 @@
 #include "app/measuring.hpp"
 
-#include <algorithm>
-#include <map>
-#include <set>
-#include <utility>
-
-#include "base/process.hpp"
 #include "frame/frame_spec_bytes.hpp"
-#include "net/agree.hpp"
 #include "net/launcher.hpp"
 
 namespace ringsplat::app {

@@ -1,14 +1,7 @@
 #include "app/views.hpp"
 
-#include <algorithm>
-#include <array>
 #include <fstream>
-#include <limits>
 #include <nlohmann/json.hpp>
-#include <span>
-
-#include "base/printable.hpp"
-#include "base/text.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -1,7 +1,5 @@
 #include "classify/adjust.hpp"
 
-#include <limits>
-
 #include "classify/piecewise.hpp"
 
 namespace ringsplat {

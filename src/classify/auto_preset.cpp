@@ -2,14 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
-#include <limits>
-
 #include "base/printable.hpp"
-#include "classify/colour_maps.hpp"
 #include "classify/value_shape.hpp"
 #include "ringsplat/base/error.hpp"
 

@@ -1,9 +1,6 @@
 #include "classify/colour_maps.hpp"
 
-#include <algorithm>
 #include <cctype>
-#include <cmath>
-#include <string_view>
 
 #include "base/text.hpp"
 #include "ringsplat/base/error.hpp"

@@ -1,8 +1,5 @@
 #include "classify/empty_space.hpp"
 
-#include <algorithm>
-#include <utility>
-
 namespace ringsplat {
 
 SliceRuns::SliceRuns(const BlockRanges& ranges, const TransferFunction& transfer_function, int width) {

@@ -4,10 +4,8 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <type_traits>
-#include <vector>
 
 #include "classify/normal_lattice.hpp"
 #include "volume/scalars.hpp"

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 
 namespace ringsplat {
 namespace {

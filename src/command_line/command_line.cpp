@@ -1,14 +1,8 @@
 #include "command_line/command_line.hpp"
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
-#include <sstream>
-#include <string_view>
 
-#include "base/text.hpp"
 #include "options/contradictions.hpp"
-#include "options/option_values.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {

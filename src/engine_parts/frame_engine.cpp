@@ -1,12 +1,7 @@
 #include "engine_parts/frame_engine.hpp"
 
-#include <cstring>
-#include <span>
-
 #include "net/message.hpp"
-#include "raster/opaque_tiles.hpp"
 #include "raster/warp_image.hpp"
-#include "screen/regions.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,16 +1,10 @@
 #include "forecast/forecast.hpp"
 
-#include <fmt/format.h>
-
-#include <cmath>
 #include <tuple>
-#include <utility>
 
-#include "frame/frame_geometry.hpp"
 #include "program/layouts.hpp"
 #include "scene/scene.hpp"
 #include "simulate/meter.hpp"
-#include "volume/value_statistics.hpp"
 
 namespace ringsplat::app {
 namespace {

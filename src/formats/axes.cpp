@@ -1,9 +1,6 @@
 #include "formats/axes.hpp"
 
-#include <algorithm>
-
 #include "base/log.hpp"
-#include "base/text.hpp"
 #include "formats/limits.hpp"
 
 namespace ringsplat::detail {

@@ -1,8 +1,6 @@
 #include "formats/channels.hpp"
 
-#include <algorithm>
 #include <limits>
-#include <type_traits>
 
 #include "base/log.hpp"
 #include "formats/limits.hpp"

@@ -1,13 +1,8 @@
 #include "formats/stored_source.hpp"
 
-#include <algorithm>
 #include <glm/gtc/packing.hpp>
-#include <utility>
 
 #include "base/byte_order.hpp"
-#include "base/input_file.hpp"
-#include "base/printable.hpp"
-#include "base/text.hpp"
 #include "formats/limits.hpp"
 #include "formats/volume_files.hpp"
 #include "volume/scalars.hpp"

@@ -7,9 +7,6 @@
 #include <limits>
 #include <memory>
 #include <new>
-#include <span>
-#include <string>
-#include <vector>
 
 #include "base/output_file.hpp"
 #include "base/text.hpp"

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <glm/common.hpp>
-#include <variant>
 
 #include "ringsplat/base/error.hpp"
 #include "splat/footprint.hpp"

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <glm/common.hpp>
-#include <glm/vector_relational.hpp>
 
 #include "volume/cell_ranges.hpp"
 

@@ -1,10 +1,8 @@
 #include "images/image_io.hpp"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <limits>
-#include <span>
 #include <utility>
 
 #include "base/srgb.hpp"

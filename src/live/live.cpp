@@ -1,6 +1,5 @@
 #include "ringsplat/live/live.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <mutex>
 #include <utility>

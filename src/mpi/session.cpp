@@ -4,8 +4,6 @@
 #include <mpi.h>
 
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <cstdlib>
 #include <new>
 #include <thread>

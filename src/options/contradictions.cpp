@@ -1,9 +1,5 @@
 #include "options/contradictions.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-
 #include "options/option_values.hpp"
 #include "options/options.hpp"
 #include "ringsplat/base/error.hpp"

@@ -1,17 +1,5 @@
 #include "options/transfer_function_option.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <filesystem>
-#include <limits>
-#include <utility>
-#include <vector>
-
-#include "base/printable.hpp"
-#include "classify/adjust.hpp"
-#include "options/option_values.hpp"
-#include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"
 #include "volume/scalars.hpp"
 

@@ -1,9 +1,6 @@
 #include "program/launch.hpp"
 
-#include <algorithm>
-
 #include "base/lack_of_memory.hpp"
-#include "base/text.hpp"
 #include "net/launcher.hpp"
 #include "program/layouts.hpp"
 

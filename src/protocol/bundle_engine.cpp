@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <utility>
-#include <vector>
 
 #include "protocol/engine_decorator.hpp"
 #include "protocol/joined_step.hpp"

@@ -1,7 +1,5 @@
 #include "raster/region_image.hpp"
 
-#include <algorithm>
-
 namespace ringsplat {
 
 float* RegionImage::pixels() {

@@ -6,9 +6,7 @@
 #define HWY_TARGET_INCLUDE "raster/warp_image.cpp"
 #include <hwy/foreach_target.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstdint>
 
 #include "raster/pixel_vectors-inl.hpp"
 

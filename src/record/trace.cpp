@@ -1,7 +1,6 @@
 #include "record/trace.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <iterator>
 

@@ -1,7 +1,5 @@
 #include "scene/dealer.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cstring>
 
 #include "classify/normals.hpp"

@@ -1,8 +1,5 @@
 #include "scene/scene.hpp"
 
-#include <algorithm>
-#include <utility>
-
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/volume/reduced.hpp"

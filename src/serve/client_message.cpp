@@ -1,6 +1,5 @@
 #include "serve/client_message.hpp"
 
-#include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 

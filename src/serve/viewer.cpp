@@ -2,16 +2,11 @@
 
 #include <boost/asio/post.hpp>
 #include <boost/asio/thread_pool.hpp>
-#include <chrono>
 #include <condition_variable>
 #include <csignal>
-#include <cstdint>
 #include <mutex>
-#include <utility>
 
 #include "base/log.hpp"
-#include "base/srgb.hpp"
-#include "ringsplat/base/error.hpp"
 #include "serve/audience.hpp"
 #include "serve/picture_maker.hpp"
 #include "serve/requests.hpp"

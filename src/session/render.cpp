@@ -1,9 +1,5 @@
 #include "session/render.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <utility>
 
 #include "base/process.hpp"
 #include "base/thread_team.hpp"
@@ -12,7 +8,6 @@
 #include "net/agree.hpp"
 #include "protocol/bundle_engine.hpp"
 #include "protocol/rank.hpp"
-#include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "session/directed_frames.hpp"
 #include "session/render_frames.hpp"

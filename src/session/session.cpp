@@ -1,6 +1,5 @@
 #include "ringsplat/session/session.hpp"
 
-#include <algorithm>
 #include <exception>
 #include <map>
 #include <new>

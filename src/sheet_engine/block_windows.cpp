@@ -1,9 +1,7 @@
 #include "sheet_engine/block_windows.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
-#include <utility>
 
 #include "volume/cell_ranges.hpp"
 

@@ -5,8 +5,6 @@
 #include <hwy/foreach_target.h>
 
 #include <algorithm>
-#include <array>
-#include <vector>
 
 #include "sheet_engine/fill_slab_table.hpp"
 #include "sheet_engine/lanes-inl.hpp"

@@ -1,7 +1,5 @@
 #include "sheet_engine/kept_blocks.hpp"
 
-#include <algorithm>
-
 #include "sheet_engine/scalar_planes.hpp"
 #include "volume/cell_ranges.hpp"
 

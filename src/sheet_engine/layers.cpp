@@ -1,13 +1,7 @@
 #include "sheet_engine/layers.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cstring>
 #include <tuple>
-#include <utility>
 
-#include "base/byte_stream.hpp"
 #include "base/half.hpp"
 #include "net/message.hpp"
 

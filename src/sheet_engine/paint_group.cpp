@@ -4,7 +4,6 @@
 #define HWY_TARGET_INCLUDE "sheet_engine/paint_group.cpp"
 #include <hwy/foreach_target.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "sheet_engine/channel_painter-inl.hpp"

@@ -1,7 +1,5 @@
 #include "sheet_engine/place_map.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <ranges>
 #include <tuple>
 

@@ -1,9 +1,5 @@
 #include "sheet_engine/projection.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 #include "classify/adjust.hpp"
 
 namespace ringsplat {

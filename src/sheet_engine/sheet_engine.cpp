@@ -1,8 +1,5 @@
 #include "sheet_engine/sheet_engine.hpp"
 
-#include <algorithm>
-#include <utility>
-
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/layers.hpp"
 #include "sheet_engine/paint_group.hpp"

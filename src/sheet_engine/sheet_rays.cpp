@@ -1,13 +1,7 @@
 #include "sheet_engine/sheet_rays.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
 #include <cmath>
-#include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
-
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 

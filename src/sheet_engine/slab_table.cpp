@@ -1,7 +1,6 @@
 #include "sheet_engine/slab_table.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "sheet_engine/fill_slab_table.hpp"
 

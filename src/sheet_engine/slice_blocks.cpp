@@ -1,8 +1,5 @@
 #include "sheet_engine/slice_blocks.hpp"
 
-#include <algorithm>
-#include <utility>
-
 #include "volume/cell_ranges.hpp"
 
 namespace ringsplat {

@@ -1,8 +1,6 @@
 #include "sheet_engine/transparent_values.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "classify/adjust.hpp"
 #include "volume/scalars.hpp"

@@ -1,6 +1,5 @@
 #include "sheet_engine/visible_tiles.hpp"
 
-#include <algorithm>
 #include <bit>
 
 namespace ringsplat {

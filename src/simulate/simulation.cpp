@@ -1,15 +1,11 @@
 #include "simulate/simulation.hpp"
 
-#include <algorithm>
 #include <map>
-#include <utility>
 
 #include "base/clock.hpp"
 #include "frame/engine_setup.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "net/lock_step.hpp"
-#include "net/message.hpp"
-#include "net/transport.hpp"
 #include "protocol/engine_decorator.hpp"
 #include "protocol/joined_step.hpp"
 #include "session/render_frames.hpp"

@@ -1,6 +1,5 @@
 #include "splat/aligned_slice.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "splat/splat_sum.hpp"

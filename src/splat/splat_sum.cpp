@@ -1,7 +1,5 @@
 #include "splat/splat_sum.hpp"
 
-#include <algorithm>
-#include <cstring>
 #include <ranges>
 
 namespace ringsplat {

@@ -1,13 +1,9 @@
 #include "splat/voxel_sum.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstring>
 #include <glm/vec4.hpp>
 #include <utility>
-
-#include "splat/splat.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,15 +1,5 @@
 #include "splat_engine/payload_reader.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <bit>
-#include <cstring>
-#include <optional>
-#include <utility>
-
-#include "base/byte_stream.hpp"
-#include "frame/frame_geometry.hpp"
 #include "splat/aligned_slice.hpp"
 #include "splat/splat_sum.hpp"
 #include "splat/voxel_run.hpp"

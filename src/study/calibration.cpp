@@ -1,13 +1,9 @@
 #include "study/calibration.hpp"
 
-#include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
-#include <set>
 
 #include "base/clock.hpp"
 #include "base/median.hpp"
-#include "frame/frame_geometry.hpp"
 #include "frame/frame_spec_bytes.hpp"
 
 namespace ringsplat::app {

@@ -1,17 +1,8 @@
 #include "study/error_budget.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <iterator>
-#include <set>
-#include <utility>
-
 #include "base/archive.hpp"
 #include "base/clock.hpp"
-#include "base/printable.hpp"
 #include "base/process.hpp"
-#include "ringsplat/base/error.hpp"
 #include "truth/certified.hpp"
 #include "truth/field.hpp"
 #include "truth/method.hpp"

@@ -1,8 +1,5 @@
 #include "truth/enclosed_curve.hpp"
 
-#include <algorithm>
-#include <limits>
-
 namespace ringsplat::truth {
 namespace {
 

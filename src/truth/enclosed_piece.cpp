@@ -1,7 +1,5 @@
 #include "truth/enclosed_piece.hpp"
 
-#include <cmath>
-
 #include "truth/ray.hpp"
 
 namespace ringsplat::truth {

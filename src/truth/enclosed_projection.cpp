@@ -1,9 +1,5 @@
 #include "truth/enclosed_projection.hpp"
 
-#include <algorithm>
-#include <limits>
-#include <optional>
-
 #include "truth/cubic.hpp"
 #include "truth/enclosed_tracer.hpp"
 

@@ -1,11 +1,8 @@
 #include "truth/field.hpp"
 
-#include <algorithm>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
-#include <optional>
 
 #include "ringsplat/base/error.hpp"
 #include "truth/cubic.hpp"

@@ -1,7 +1,5 @@
 #include "truth/passage.hpp"
 
-#include <algorithm>
-
 namespace ringsplat::truth {
 namespace {
 

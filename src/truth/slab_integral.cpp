@@ -1,10 +1,6 @@
 #include "truth/slab_integral.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <glm/vec2.hpp>
-#include <limits>
-#include <vector>
 
 #include "truth/quadrature.hpp"
 #include "truth/ray.hpp"

@@ -1,6 +1,5 @@
 #include "volume/cell_ranges.hpp"
 
-#include <algorithm>
 #include <cstring>
 #include <limits>
 

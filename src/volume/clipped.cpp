@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <utility>
-#include <vector>
 
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"

@@ -1,13 +1,11 @@
 #include "ringsplat/volume/grid.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 #include <limits>
 #include <string_view>
-#include <vector>
 
 #include "base/text.hpp"
 #include "ringsplat/base/error.hpp"

@@ -3,12 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <type_traits>
-#include <vector>
 
 #include "ringsplat/base/error.hpp"
 #include "volume/clipped.hpp"

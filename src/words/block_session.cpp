@@ -6,7 +6,6 @@
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "options/option_tables.hpp"
-#include "options/transfer_function_option.hpp"
 
 namespace ringsplat::words {
 

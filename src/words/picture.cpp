@@ -1,8 +1,6 @@
 #include "words/picture.hpp"
 
-#include <algorithm>
 #include <nlohmann/json.hpp>
-#include <utility>
 
 #include "app/frame_output.hpp"
 #include "app/render_job.hpp"
@@ -11,7 +9,6 @@
 #include "options/contradictions.hpp"
 #include "options/option_tables.hpp"
 #include "program/launch.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::words {
 namespace {

@@ -1,13 +1,10 @@
 #include "decode/dicom/checks.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
 #include <limits>
-#include <utility>
 
-#include "base/text.hpp"
 #include "formats/limits.hpp"
 
 namespace ringsplat::detail {

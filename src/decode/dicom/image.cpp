@@ -4,18 +4,10 @@
 #include <gdcmMediaStorage.h>
 #include <gdcmTrace.h>
 
-#include <algorithm>
 #include <glm/geometric.hpp>
 #include <glm/gtc/type_ptr.hpp>
-#include <iterator>
-#include <sstream>
-#include <string>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 #include "base/byte_order.hpp"
-#include "decode/dicom/elements.hpp"
 #include "formats/limits.hpp"
 
 namespace ringsplat::detail {

@@ -1,9 +1,6 @@
 #include "decode/dicom/series.hpp"
 
 #include <algorithm>
-#include <functional>
-#include <map>
-#include <optional>
 #include <set>
 #include <system_error>
 #include <utility>

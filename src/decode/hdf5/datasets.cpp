@@ -1,13 +1,9 @@
 #include "decode/hdf5/datasets.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <limits>
 #include <set>
 
-#include "base/printable.hpp"
-#include "base/text.hpp"
-#include "formats/channels.hpp"
 #include "formats/limits.hpp"
 
 namespace ringsplat::detail::hdf5 {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <set>
-#include <span>
 #include <sstream>
 #include <string_view>
 #include <utility>

@@ -1,6 +1,5 @@
 #include "decode/tiff/file.hpp"
 
-#include <array>
 #include <bit>
 #include <cmath>
 #include <utility>

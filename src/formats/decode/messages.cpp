@@ -3,7 +3,6 @@
 #include <sys/socket.h>
 
 #include <cerrno>
-#include <span>
 
 namespace ringsplat::detail {
 namespace {

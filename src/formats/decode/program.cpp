@@ -7,12 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cerrno>
-#include <cstring>
-#include <filesystem>
 #include <new>
-#include <utility>
 
 #include "base/child_program.hpp"
 #include "base/process.hpp"

@@ -1,18 +1,13 @@
 #include "formats/nrrd/header.hpp"
 
-#include <algorithm>
 #include <glm/common.hpp>
 #include <sstream>
 #include <string_view>
-#include <utility>
 
-#include "base/input_file.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "formats/label_notes.hpp"
 #include "formats/stored_source.hpp"
-#include "formats/text_reader.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 

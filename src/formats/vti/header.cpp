@@ -1,15 +1,10 @@
 #include "formats/vti/header.hpp"
 
-#include <algorithm>
-#include <array>
 #include <initializer_list>
 #include <iterator>
-#include <optional>
-#include <span>
 #include <string_view>
 #include <utility>
 
-#include "base/input_file.hpp"
 #include "base/text.hpp"
 #include "formats/limits.hpp"
 #include "formats/xml_reader.hpp"

@@ -1,17 +1,11 @@
 #include "formats/zarr/metadata.hpp"
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <glm/gtc/packing.hpp>
-#include <limits>
 #include <numeric>
-
-#include "base/input_file.hpp"
-#include "base/text.hpp"
-#include "formats/stored_source.hpp"
 
 namespace ringsplat {
 NLOHMANN_JSON_SERIALIZE_ENUM(World, {{World::lattice, "lattice"},
