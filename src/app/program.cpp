@@ -58,9 +58,8 @@ void say_error(const Outcome& outcome, bool name_rank_0 = false) {
 
 ExitCode finish(const Ending& ending, Launch& launch) {
   const auto& [outcome, on_all_ranks] = ending;
-  if (!outcome.error.empty() && (launch.rank() == 0 || !on_all_ranks)) {
+  if (!outcome.error.empty() && (launch.rank() == 0 || !on_all_ranks))
     say_error(outcome, !on_all_ranks && launch.ranks() > 1 && launch.rank() == 0);
-  }
   if (!on_all_ranks && launch.ranks() > 1) launch.abort(outcome.code);
   return outcome.code;
 }

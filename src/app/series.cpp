@@ -17,7 +17,6 @@
 #include "volume/clipped.hpp"
 
 namespace ringsplat::app {
-
 namespace {
 
 namespace fs = std::filesystem;

@@ -10,7 +10,6 @@
 #include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
-
 namespace {
 
 /// The view of a lattice, from the lattice that begins at its voxel `first`.

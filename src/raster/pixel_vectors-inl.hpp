@@ -43,9 +43,8 @@ class Spread {
   HWY_INLINE Spread() {
     HWY_ALIGN std::int32_t pick[4][lanes];
     for (std::size_t part = 0; part < 4; ++part) {
-      for (std::size_t i = 0; i < lanes; ++i) {
+      for (std::size_t i = 0; i < lanes; ++i)
         pick[part][i] = static_cast<std::int32_t>(part * pixels_a_vector + i / 4);
-      }
       indices_[part] = hn::SetTableIndices(Floats(), pick[part]);
     }
   }

@@ -7,7 +7,6 @@
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
-
 namespace {
 
 constexpr int largest_side = 1 << 20;

@@ -95,9 +95,8 @@ class LevelController {
   /// For the next picture of a view that moves. It is left for a finer one only where that clearly fits.
   int level() {
     int finest = int(std::min_element(rough_.begin(), rough_.end()) - rough_.begin());
-    for (int k = 0; k < levels(); ++k) {
+    for (int k = 0; k < levels(); ++k)
       if (expected(k) <= (k == level_ ? still_fits : clearly_fits) * target_) finest = k;
-    }
     level_ = finest;
     return finest;
   }

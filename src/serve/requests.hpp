@@ -267,7 +267,7 @@ class Requests {
       else if (file.asked.errors)  // which takes long
         post(movie_worker_, [this, file, result] { prove_errors(*result, file); });
       else
-        make_snapshot(*result, file);
+        send_snapshot(*result, file, bytes_of(*result, file));
     } catch (const std::exception& e) {
       fail(file, e.what());
     }
@@ -292,10 +292,6 @@ class Requests {
                             asked.scene.background);
     return image_bytes(result.image, asked.exr ? ".exr" : ".png", srgb_to_linear(asked.scene.background),
                        text_of(settings), ruler);
-  }
-
-  void make_snapshot(const FrameResult& result, const File& file) {
-    send_snapshot(result, file, bytes_of(result, file));
   }
 
   void send_snapshot(const FrameResult& result, const File& file, const Bytes& bytes) {

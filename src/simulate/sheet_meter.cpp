@@ -17,7 +17,6 @@
 #include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
-
 namespace {
 
 /// Counts the samples that a slice's visible blocks take each Renderer, as SheetPainter does when it paints

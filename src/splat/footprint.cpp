@@ -9,7 +9,6 @@
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
-
 namespace {
 
 constexpr double widest_half_extent =

@@ -159,7 +159,6 @@ class LabelSource final : public VolumeSource {
                                        : std::ranges::any_of(labels_, [label](const auto& l) {
                                            return double(l.first) <= label && label <= double(l.second);
                                          });
-
     return shown ? label_byte(label) : 0;
   }
 

@@ -10,7 +10,6 @@
 #include "formats/stored_source.hpp"
 
 namespace ringsplat::detail {
-
 namespace {
 
 constexpr std::uint64_t longest_header = 64 << 20;  // bytes; a header has a few hundred
