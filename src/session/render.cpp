@@ -1,6 +1,5 @@
 #include "session/render.hpp"
 
-
 #include "base/process.hpp"
 #include "base/thread_team.hpp"
 #include "frame/frame_geometry.hpp"
