@@ -7,8 +7,8 @@ from .run import BUILD, HEAD, MACHINES, REPO, output_of, program, read_frames
 from .volumes import every_other_voxel, step_function, threshold_for
 
 PIXEL_PLANES_5 = str(MACHINES / "pixel-planes-5.toml")
-# As the paper ran: Renderers have regions of 128 pixels, splats are six words, nothing of the next frame is under way.
-PAPER = {"machine": PIXEL_PLANES_5, "region": 128, "payload": "words", "frames-in-flight": 1}
+# As the paper ran: Renderers have regions of 128 pixels, nothing of the next frame is under way.
+PAPER = {"machine": PIXEL_PLANES_5, "region": 128, "frames-in-flight": 1}
 COUNTED = ("--count-only", "--shading", "none")
 
 
