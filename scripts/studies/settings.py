@@ -27,7 +27,7 @@ KEYS = {"repetitions": 5, "size": "256x256", "error_pixels": 4096, "seed": 1, "t
         "scene": {}, "setting": {}}
 HINT = "hint: scripts/study settings --list prints a list that works"
 # Columns: of a frame's settings, and of its error.
-HOW = ("engine", "image_plane", "plane_samples", "radius", "payload", "slabs", "light_points",
+HOW = ("engine", "image_plane", "plane_samples", "radius", "slabs", "light_points",
        "adaptive", "opacity_correction")
 ERROR = ("truth", "pixels", "rmse", "rmse_low", "rmse_high", "largest", "mean")
 LIGHT = ("shading", "light", "ambient", "diffuse", "specular", "exponent")

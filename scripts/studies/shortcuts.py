@@ -16,22 +16,20 @@ FUNCTIONS = ("soft", "surface")
 PLANES = ("screen", "slices")
 THRESHOLD = ("--opaque-threshold", 1 / 512)
 OPAQUE = ("--opaque-threshold", 0)
-WORDS, RUNS = ("--payload", "words"), ("--payload", "runs")
 ONE_AHEAD = ("--frames-in-flight", 1, "--look-ahead", 1)
-NONE, WITH_RUNS = (*OPAQUE, *WORDS, *ONE_AHEAD, *DEDICATED), (*OPAQUE, *RUNS, *ONE_AHEAD, *DEDICATED)
+NONE = (*OPAQUE, *ONE_AHEAD, *DEDICATED)
 IN_SLICES = ("--image-plane", "slices")
-ALL = (*THRESHOLD, *RUNS, "--frames-in-flight", 1, *AHEAD, *COLOCATED)
+ALL = (*THRESHOLD, "--frames-in-flight", 1, *AHEAD, *COLOCATED)
 HALF = ("--undersample", 2)
 ROWS = {
     "none": NONE,
-    "opaque threshold": (*THRESHOLD, *WORDS, *ONE_AHEAD, *DEDICATED),
-    "runs": WITH_RUNS,
-    "frames in flight 2": (*OPAQUE, *WORDS, "--frames-in-flight", 2, "--look-ahead", 1, *DEDICATED),
-    "look ahead 4": (*OPAQUE, *WORDS, "--frames-in-flight", 1, "--look-ahead", 4, *DEDICATED),
-    "look ahead 4, send ahead 16": (*OPAQUE, *WORDS, "--frames-in-flight", 1, *AHEAD, *DEDICATED),
-    "colocated": (*OPAQUE, *WORDS, *ONE_AHEAD, *COLOCATED),
-    "slices plane": (*WITH_RUNS, *IN_SLICES),
-    "slices plane, 2 samples": (*WITH_RUNS, *IN_SLICES, "--samples", 2),
+    "opaque threshold": (*THRESHOLD, *ONE_AHEAD, *DEDICATED),
+    "frames in flight 2": (*OPAQUE, "--frames-in-flight", 2, "--look-ahead", 1, *DEDICATED),
+    "look ahead 4": (*OPAQUE, "--frames-in-flight", 1, "--look-ahead", 4, *DEDICATED),
+    "look ahead 4, send ahead 16": (*OPAQUE, "--frames-in-flight", 1, *AHEAD, *DEDICATED),
+    "colocated": (*OPAQUE, *ONE_AHEAD, *COLOCATED),
+    "slices plane": (*NONE, *IN_SLICES),
+    "slices plane, 2 samples": (*NONE, *IN_SLICES, "--samples", 2),
     "undersample 2": (*NONE, *HALF),
     "undersample 2 prefiltered": (*NONE, *HALF, "--prefilter"),
     "undersample 4": (*NONE, "--undersample", 4),

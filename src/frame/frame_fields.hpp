@@ -42,9 +42,8 @@ void fields(Describes<Shown> auto& shown, auto&& visit) {
 }
 
 void fields(Describes<Splats> auto& splats, auto&& visit) {
-  auto& [image_plane, plane_samples, kernel_radius, payload] = splats;
+  auto& [image_plane, plane_samples, kernel_radius] = splats;
   visit("image_plane", image_plane), visit("plane_samples", plane_samples), visit("radius", kernel_radius);
-  visit("payload", payload);
 }
 
 void fields(Describes<Sheets> auto& sheets, auto&& visit) {
@@ -75,8 +74,5 @@ constexpr Interpolation last_of(Interpolation) { return Interpolation::nearest; 
 constexpr Mode last_of(Mode) { return Mode::attenuated; }
 constexpr Shading last_of(Shading) { return Shading::phong; }
 constexpr Fit last_of(Fit) { return Fit::box; }
-constexpr PayloadForm last_of(PayloadForm) { return PayloadForm::runs; }
-
-const char* name(PayloadForm form);
 
 }  // namespace ringsplat

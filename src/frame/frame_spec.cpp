@@ -192,8 +192,6 @@ const char* name(Interpolation interpolation) {
   return interpolation == Interpolation::linear ? "linear" : "nearest";
 }
 
-const char* name(PayloadForm form) { return form == PayloadForm::words ? "words" : "runs"; }
-
 std::string name(ImagePlane plane) { return plane == ImagePlane::screen ? "screen" : "slices"; }
 
 const char* name(const Method& method) {

@@ -339,9 +339,6 @@ void add_shortcut_options(OptionList& list, RenderOptions& o) {
       {"--opaque-threshold", nullptr, initial,
        "Nothing is added to a pixel through which less light than this comes; 0: everything is",
        one_part(o.frame.shown.opaque_threshold)},
-      {"--payload", nullptr, initial,
-       "What GPs send: runs of voxels, or the paper's six words a splat; the same bits",
-       choice(o.method.splats.payload, named({PayloadForm::runs, PayloadForm::words})), Mark::of_splats},
   };
 }
 

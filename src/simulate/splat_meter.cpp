@@ -77,10 +77,7 @@ class SplatMeter {
     for (std::size_t r = 0; r < parts.size(); ++r) {
       if (parts[r].payload.empty()) continue;
       const auto body = std::span<const std::byte>(parts[r].payload).subspan(sizeof(Header));
-      if (frame_->splats.payload == PayloadForm::words)
-        include_words(body);
-      else
-        include_runs(body);
+      include_runs(body);
       for (const int region : parts[r].tiles) work[r].samples += pixels_[std::size_t(region)].take();
     }
     return work;
@@ -93,17 +90,6 @@ class SplatMeter {
     const PixelWindow w = pixel_window(at, reach_);
     pixels_[std::size_t(region)].include(
         {w.x0 - beyond_.x, w.y0 - beyond_.y, w.x1 + beyond_.x, w.y1 + beyond_.y});
-  }
-
-  void include_words(std::span<const std::byte> body) {
-    SplatGroup group;
-    for (std::size_t at = 0; take(body, at, group);)
-      for (std::uint32_t k = 0; k < group.count; ++k) {
-        Splat splat;
-        if (!take(body, at, splat)) return;
-        include(group.region, {std::int64_t{group.base_x} + splat.anchor_x,
-                               std::int64_t{group.base_y} + splat.anchor_y, 0, 0});
-      }
   }
 
   void include_runs(std::span<const std::byte> body) {

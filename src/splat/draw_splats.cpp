@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "raster/pixel_vectors-inl.hpp"
 #include "splat/splat.hpp"
@@ -37,15 +36,11 @@ HWY_INLINE Colour load_colour(const Splat& splat) {
 /// Draws all plausible splats: draw_one(splat, x, y) gets the anchor, from the region's corner, and returns
 /// whether the kernel reaches a pixel centre of the region.
 template <class DrawOne>
-HWY_INLINE DrawCounts draw_each(const SplatRun& run, DrawOne draw_one) {
+HWY_INLINE DrawCounts draw_each(std::span<const Splat> splats, int left, int top, DrawOne draw_one) {
   DrawCounts counts;
-  for (std::size_t i = 0; i < run.count; ++i) {
-    Splat splat;
-    std::memcpy(&splat, run.bytes + i * sizeof splat, sizeof splat);
-    if (is_plausible(splat) && draw_one(splat, run.base_x + splat.anchor_x, run.base_y + splat.anchor_y))
-      ++counts.drawn;
-  }
-  counts.clipped = run.count - counts.drawn;
+  for (const Splat& splat : splats)
+    if (is_plausible(splat) && draw_one(splat, splat.anchor_x - left, splat.anchor_y - top)) ++counts.drawn;
+  counts.clipped = splats.size() - counts.drawn;
   return counts;
 }
 
@@ -187,9 +182,9 @@ class RowPainter {
 };
 
 DrawCounts DrawSplats(const SliceBuffer& slice, const Footprint& footprint, const Stencil* stencil,
-                      const SplatRun& run, PixelRun* written) {
-  if (stencil != nullptr) return draw_each(run, StencilPainter(slice, *stencil, written));
-  return draw_each(run, RowPainter(slice, footprint, written));
+                      std::span<const Splat> splats, int left, int top, PixelRun* written) {
+  if (stencil != nullptr) return draw_each(splats, left, top, StencilPainter(slice, *stencil, written));
+  return draw_each(splats, left, top, RowPainter(slice, footprint, written));
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -201,8 +196,8 @@ namespace ringsplat {
 HWY_EXPORT(DrawSplats);
 
 DrawCounts draw_splats(const SliceBuffer& slice, const Footprint& footprint, const Stencil* stencil,
-                       const SplatRun& run, PixelRun* written) {
-  return HWY_DYNAMIC_DISPATCH(DrawSplats)(slice, footprint, stencil, run, written);
+                       std::span<const Splat> splats, int left, int top, PixelRun* written) {
+  return HWY_DYNAMIC_DISPATCH(DrawSplats)(slice, footprint, stencil, splats, left, top, written);
 }
 
 }  // namespace ringsplat

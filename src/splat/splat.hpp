@@ -8,7 +8,7 @@
 
 namespace ringsplat {
 
-/// One voxel's kernel in six 32-bit words.
+/// One voxel's kernel.
 ///
 /// The evaluator's origin is offset to the splat's own anchor, the pixel at or below its centre, rather
 /// than to the region's corner as in Neumann 1992 (section 2.2): float32 coefficients then lose nothing
@@ -18,12 +18,11 @@ struct Splat {
   float a, b, c;
   float opacity;                    ///< corrected opacity × Footprint::weight
   std::uint16_t red, green, blue;   ///< straight linear colour, 65535 = 1; premultiplied when drawn
-  std::uint8_t anchor_x, anchor_y;  ///< anchor pixel − the group's base
+  std::int64_t anchor_x, anchor_y;  ///< anchor's pixel in the image plane
 };
-static_assert(sizeof(Splat) == 24);
 
 /// Coefficients larger than this come from no footprint: every semi-axis is at least a pixel. Such splats,
-/// and those with NaN, are counted as clipped, so that no bytes from outside can put an infinity or a NaN
+/// and those with NaN, are counted as clipped, so that no opacity from outside can put an infinity or a NaN
 /// into the picture.
 inline constexpr float largest_coefficient = 1e6F;
 
@@ -32,14 +31,6 @@ struct DrawCounts {
   std::uint64_t clipped = 0;  ///< splats that reached none
   std::uint64_t hidden = 0;   ///< splats that lie wholly under opaque tiles, not drawn
 };
-
-/// Heads a run of splats of one region whose anchors lie within 256 × 256 pixels from its base.
-struct SplatGroup {
-  std::int32_t region;
-  std::int32_t base_x, base_y;  ///< pixel of the image plane, inside the image or not
-  std::uint32_t count;          ///< splats that follow
-};
-static_assert(sizeof(SplatGroup) == 16);
 
 /// A voxel's place in the image plane: its anchor pixel, and the offset of its centre from the anchor's
 /// centre, in [0, 1]. (1 itself only when the subtraction rounds up to it.)
@@ -82,25 +73,15 @@ inline PixelWindow pixel_window(const Anchored& at, KernelReach reach) {
   return {at.anchor_x - reach.x, at.anchor_y - reach.y, at.anchor_x + reach.x + 1, at.anchor_y + reach.y + 1};
 }
 
-/// [0, 1] to [0, 65535], rounded to nearest; values outside, and NaN, go to the nearer end or 0.
-inline std::uint16_t quantise_colour(float value) {
-  // The value is not negative, so adding a half and truncating rounds; lround would be a call.
-  const float inside = std::min(std::max(0.0F, value), 1.0F);
-  return static_cast<std::uint16_t>(
-      static_cast<std::int32_t>(inside * 65535.0F + 0.5F));  // NOLINT(bugprone-incorrect-roundings)
-}
-
 /// A voxel's straight linear colour, 65535 = 1, and its opacity, corrected for the slice distance.
 struct VoxelColour {
   std::uint16_t red, green, blue;
   float opacity;
 };
 
-/// One voxel's six words. (dx, dy) is Anchored's offset. anchor_x and anchor_y count from the base of the
-/// group the splat goes to. Coefficients are computed in double precision and rounded once.
-inline Splat make_splat(const Footprint& footprint, double dx, double dy, const VoxelColour& colour,
-                        std::uint8_t anchor_x = 0, std::uint8_t anchor_y = 0) {
-  const auto q = coefficients(footprint, dx, dy);
+/// Coefficients are computed in double precision and rounded once.
+inline Splat make_splat(const Footprint& footprint, const Anchored& at, const VoxelColour& colour) {
+  const auto q = coefficients(footprint, at.dx, at.dy);
   return {static_cast<float>(q.a),
           static_cast<float>(q.b),
           static_cast<float>(q.c),
@@ -108,15 +89,8 @@ inline Splat make_splat(const Footprint& footprint, double dx, double dy, const 
           colour.red,
           colour.green,
           colour.blue,
-          anchor_x,
-          anchor_y};
-}
-/// The same of colours within [0, 1].
-inline Splat make_splat(const Footprint& footprint, double dx, double dy, float red, float green, float blue,
-                        float opacity, std::uint8_t anchor_x = 0, std::uint8_t anchor_y = 0) {
-  return make_splat(footprint, dx, dy,
-                    {quantise_colour(red), quantise_colour(green), quantise_colour(blue), opacity}, anchor_x,
-                    anchor_y);
+          at.anchor_x,
+          at.anchor_y};
 }
 
 }  // namespace ringsplat

@@ -1,5 +1,6 @@
 #include "splat/splat_sum.hpp"
 
+#include <algorithm>
 #include <ranges>
 
 namespace ringsplat {
@@ -80,32 +81,28 @@ SplatSum::SplatSum(const Footprint& footprint, const PixelRect& largest)
   runs_.resize(std::size_t(largest.height() + (by_anchors ? 2 * reach_.y + 1 : 0)));
 }
 
-DrawCounts SplatSum::draw(std::int64_t base_x, std::int64_t base_y, std::span<const std::byte> splats) {
-  if (splats.size() < sizeof(Splat)) return {};
-  const std::int64_t left = base_x - image_->rect().x0, top = base_y - image_->rect().y0;
-  const auto visible = image_->opaque_tiles().worth_asking() ? without_hidden(left, top, splats) : splats;
-  const SplatRun run{visible.data(), visible.size() / sizeof(Splat), left, top};
-  DrawCounts counts = draw_splats(buffer_, footprint_, stencil_ ? &*stencil_ : nullptr, run, runs_.data());
-  counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);
+DrawCounts SplatSum::draw(std::span<const Splat> splats) {
+  const auto visible = image_->opaque_tiles().worth_asking() ? without_hidden(splats) : splats;
+  DrawCounts counts = draw_splats(buffer_, footprint_, stencil_ ? &*stencil_ : nullptr, visible,
+                                  image_->rect().x0, image_->rect().y0, runs_.data());
+  counts.hidden = splats.size() - visible.size();
   if (counts.drawn > 0) empty_ = false;
   return counts;
 }
 
 /// The splats that are not wholly under opaque tiles, in seen_.
-std::span<const std::byte> SplatSum::without_hidden(std::int64_t left, std::int64_t top,
-                                                    std::span<const std::byte> splats) {
+std::span<const Splat> SplatSum::without_hidden(std::span<const Splat> splats) {
   const OpaqueTiles& tiles = image_->opaque_tiles();
   seen_.resize(splats.size());
   std::size_t kept = 0;
-  for (std::size_t at = 0; at + sizeof(Splat) <= splats.size(); at += sizeof(Splat)) {
-    Splat splat;
-    std::memcpy(&splat, splats.data() + at, sizeof splat);
-    const PixelWindow window = pixel_window({left + splat.anchor_x, top + splat.anchor_y, 0, 0}, reach_);
+  for (const Splat& splat : splats) {
+    const PixelWindow window =
+        pixel_window({splat.anchor_x - image_->rect().x0, splat.anchor_y - image_->rect().y0, 0, 0}, reach_);
     // Every splat is written and only those that are seen are kept: no branch to mispredict.
-    std::memcpy(seen_.data() + kept, &splat, sizeof splat);
-    kept += tiles.hides(window.x0, window.y0, window.x1, window.y1) ? 0 : sizeof splat;
+    seen_[kept] = splat;
+    kept += tiles.hides(window.x0, window.y0, window.x1, window.y1) ? 0 : 1;
   }
-  return std::span<const std::byte>(seen_).first(kept);
+  return std::span(seen_).first(kept);
 }
 
 std::span<const PixelRun> SplatSum::written() {

@@ -7,7 +7,6 @@
 
 #include "raster/region_image.hpp"
 #include "raster/slice_buffer.hpp"
-#include "ringsplat/base/bytes.hpp"
 #include "splat/footprint.hpp"
 #include "splat/splat.hpp"
 
@@ -38,15 +37,8 @@ bool has_stencil(const Footprint& footprint);
 /// `row_floats`: floats from a row to the next one in the slice buffer.
 Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats);
 
-/// Consecutive splats to draw into a region.
-struct SplatRun {
-  const std::byte* bytes = nullptr;  ///< any alignment
-  std::size_t count = 0;
-  std::int64_t base_x = 0, base_y = 0;  ///< pixel from which anchors count, from the region's corner
-};
-
-/// Adds splats to the slice buffer. In every pixel, in float32 and in this order, rounded once for each fma
-/// and each sum:
+/// Adds splats to the slice buffer of a region with the corner (left, top). In every pixel, in float32 and in
+/// this order, rounded once for each fma and each sum:
 ///   q = fma(a, dx, K) + fma(b, dy, c);  w = max(q, 0)²;  pixel = fma(w, (colour, opacity), pixel)
 /// with colour = float(u16) · (opacity · (1 / 65535)). Nothing is written outside the region but zeros.
 ///
@@ -59,7 +51,7 @@ struct SplatRun {
 /// where its quadratic, solved in double precision, is positive; that depends on the splat alone, not on the
 /// region.
 DrawCounts draw_splats(const SliceBuffer& slice, const Footprint& footprint, const Stencil* stencil,
-                       const SplatRun& run, PixelRun* written);
+                       std::span<const Splat> splats, int left, int top, PixelRun* written);
 
 /// Sums the kernels of one slice's splats in one region, one by one into a slice buffer, then composites the
 /// sum behind the region's image (Westover 1989; Neumann 1992, section 2.3).
@@ -79,16 +71,14 @@ class SplatSum {
     buffer_.width = image.rect().width();
     buffer_.height = image.rect().height();
   }
-  /// Adds whole splats; `splats` may have any alignment. (base_x, base_y): the pixel of the image plane from
-  /// which their anchors count. Splats with a NaN or a coefficient that no footprint has count as clipped.
-  DrawCounts draw(std::int64_t base_x, std::int64_t base_y, std::span<const std::byte> splats);
+  /// Adds splats. Those with a NaN or a coefficient that no footprint has count as clipped.
+  DrawCounts draw(std::span<const Splat> splats);
   /// Puts the slice behind the image: C += (1 − A) c, A += (1 − A) a, with a and c clamped to [0, 1] and [0,
   /// a]. Leaves the sum empty, and costs nothing when it is. Returns how many pixels it went through.
   std::uint64_t composite();
 
  private:
-  std::span<const std::byte> without_hidden(std::int64_t left, std::int64_t top,
-                                            std::span<const std::byte> splats);
+  std::span<const Splat> without_hidden(std::span<const Splat> splats);
 
   /// Each of the region's rows: a run of pixels outside which nothing was written.
   std::span<const PixelRun> written();
@@ -102,7 +92,7 @@ class SplatSum {
   SliceBuffer buffer_;
   RegionImage* image_ = nullptr;  ///< of the region begun
   bool empty_ = true;             ///< the slice buffer is 0
-  Bytes seen_;                    ///< the splats not hidden, of those being drawn
+  std::vector<Splat> seen_;       ///< the splats not hidden, of those being drawn
 };
 
 }  // namespace ringsplat

@@ -23,7 +23,6 @@ struct BlockGroup {
 };
 
 /// A voxel as it travels: straight linear colour, and the opacity as a float, corrected and not yet weighted.
-/// It has the numbers that a Splat has, so it draws the same bits.
 struct PackedVoxel {
   std::uint16_t opacity[2];
   std::uint16_t rgb[3];
@@ -37,8 +36,13 @@ struct VoxelRuns {
   const PackedVoxel* voxels;
 };
 
+struct DrawnBlocks {
+  std::uint32_t blocks = 0;  ///< gone through
+  DrawCounts counts;         ///< of their voxels: drawn are those with a weight above zero in the region
+};
+
 /// Packs `count` voxels, given as (red, green, blue, opacity), straight and within [0, 1]. Colours are
-/// rounded as by quantise_colour.
+/// rounded to nearest.
 inline void pack(const float* rgba, std::size_t count, PackedVoxel* voxels) {
   // Words are computed together, which compilers vectorise.
   constexpr std::size_t together = 64;

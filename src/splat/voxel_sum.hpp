@@ -26,11 +26,6 @@ struct VoxelRows {
   int top = std::numeric_limits<int>::max(), bottom = std::numeric_limits<int>::min();
 };
 
-struct DrawnBlocks {
-  std::uint32_t blocks = 0;  ///< gone through
-  DrawCounts counts;         ///< of their voxels: drawn are those with a weight above zero in the region
-};
-
 /// Writes the voxels whose windows meet the region, as premultiplied RGBA in float32, and sets their pixels'
 /// bits. Colours and opacities, times opacity_weight, have the bits that SplatSum adds for a splat. A voxel
 /// whose opacity no footprint can give becomes 0. Stops after `most` voxels or the block in which they end.

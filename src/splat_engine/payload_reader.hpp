@@ -1,11 +1,13 @@
 #pragma once
+#include <cstdint>
 #include <functional>
-#include <memory>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "raster/region_image.hpp"
-#include "splat/splat.hpp"
+#include "splat/run_sum.hpp"
+#include "splat/voxel_sum.hpp"
 #include "splat_engine/splat_engine.hpp"
 
 namespace ringsplat {
@@ -13,30 +15,40 @@ namespace ringsplat {
 /// One region's part of a payload.
 struct PayloadPart {
   int region = 0;
-  std::span<const std::byte> bytes;
+  std::uint32_t voxels = 0;
+  VoxelRuns runs{};
 };
 
-/// Splits a payload into its regions' parts, and sums a part's splats before it composites them.
+/// Splits a payload into its regions' parts, and sums a part's voxels before it composites them.
 class PayloadReader {
  public:
-  virtual ~PayloadReader() = default;
+  /// The frame must outlive it.
+  explicit PayloadReader(const SplatFrame& frame);
+
   /// The parts of a payload, one for each region, in ascending order. Checks the whole payload, so that a bad
   /// message leaves no half-drawn slice. Throws RunError unless it is a payload for regions whose `owned` is
   /// true.
-  virtual std::vector<PayloadPart> parts(std::span<const std::byte> body,
-                                         const std::function<bool(int region)>& owned) const = 0;
-  /// Goes to the first splat of a part that parts() returned, for its region's image. The payload must stay
+  std::vector<PayloadPart> parts(std::span<const std::byte> body,
+                                 const std::function<bool(int region)>& owned) const;
+  /// Goes to the first voxel of a part that parts() returned, for its region's image. The payload must stay
   /// valid until more() is false.
-  virtual void begin(int slice, const PayloadPart& part, RegionImage& image) = 0;
-  /// True while the part has splats to draw.
-  virtual bool more() = 0;
-  /// Draws at least one and about `most` of the part's next splats.
-  virtual DrawCounts draw(std::uint32_t most) = 0;
+  void begin(int slice, const PayloadPart& part, RegionImage& image) {
+    std::visit([&](auto& sum) { sum.begin(image, slice); }, sum_);
+    left_ = part.runs;
+  }
+  /// True while the part has voxels to draw.
+  bool more() const { return left_.count > 0; }
+  /// Draws at least one and about `most` of the part's next voxels.
+  DrawCounts draw(std::uint32_t most);
   /// Puts what was drawn behind the image (SplatSum::composite).
-  virtual std::uint64_t composite() = 0;
-};
+  std::uint64_t composite() {
+    return std::visit([](auto& sum) { return sum.composite(); }, sum_);
+  }
 
-/// A reader for a frame's form. The frame must outlive it.
-std::unique_ptr<PayloadReader> make_payload_reader(const SplatFrame& frame);
+ private:
+  const FrameGeometry& geometry_;
+  std::variant<RunSum, VoxelSum> sum_;
+  VoxelRuns left_{};  ///< the part's blocks that are not drawn yet
+};
 
 }  // namespace ringsplat

@@ -1,11 +1,8 @@
 #pragma once
-#include <algorithm>
 #include <array>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <glm/vec2.hpp>
-#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -17,6 +14,7 @@
 #include "raster/opaque_tiles.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "splat/splat.hpp"
+#include "splat/voxel_run.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "view/slice_dda.hpp"
 
@@ -58,13 +56,13 @@ struct RegionCounts {
 };
 
 /// A band of consecutive rows of a slice, encoded by one thread at a time. It finds each row's visible
-/// voxels, makes the lit samples of rows that are sent, and collects a part for each region. A region's
-/// parts of all bands, in the order of rows, equal the part of a single band of all rows.
-class RowBand {
+/// voxels, makes the lit samples of rows that are sent, and collects a part for each region: runs of voxels
+/// without positions, which the Renderer computes from the view. A region's parts of all bands, in the order
+/// of rows, equal the part of a single band of all rows.
+class alignas(64) RowBand {
  public:
   /// `frame` must outlive it.
   explicit RowBand(const EncoderFrame& frame);
-  virtual ~RowBand() = default;
 
   /// Begins rows first … end − 1 of a slice. `voxels` holds the slice's visible voxels and must outlive the
   /// work.
@@ -79,18 +77,47 @@ class RowBand {
   /// Regions with splats of the slice, in any order.
   std::span<const int> used_regions() const { return used_; }
   const RegionCounts& counts(int region) const { return counts_[std::size_t(region)]; }
-  /// Appends the region's parts of all `bands` of the slice to a Renderer's payload and empties them. All
-  /// bands must be of this one's type.
-  virtual void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) = 0;
+  /// Appends the region's parts of all `bands` of the slice to a Renderer's payload and empties them.
+  static void append_parts(int region, std::span<RowBand> bands, Bytes& payload);
   /// Forgets the slice's counts.
   void clear_counts();
 
- protected:
+ private:
+  /// Not zeroed when it grows, since all of it is written right after.
+  template <class T>
+  using Buffer = std::vector<T, UninitialisedAllocator<T>>;
+  struct Part {
+    Buffer<VoxelRun> blocks;
+    Buffer<PackedVoxel> voxels;
+  };
+
+  /// Voxels of one of the row's blocks that go to a region.
+  struct Piece {
+    int region;
+    std::size_t block;
+    std::uint64_t mask;
+  };
+
+  /// Begins the row, finds its visible voxels whose windows can meet the image, and counts the others.
+  void find_row();
   /// Puts the row's visible voxels (at least one) into their regions' parts.
-  virtual void encode_row(int row) = 0;
-  /// Straight colours and corrected opacities of the row's visible voxels. encode_row() asks for them when
-  /// any are sent.
-  std::span<const ClassifiedSample> make_samples();
+  void encode_row();
+  /// Appends all the row's voxels to the region's part.
+  void append_row(int region);
+  void find_pieces(const PixelRect& touched, Columns all);
+  /// Finds the row's visible voxels whose windows can meet the region. The painter clips any extra voxel.
+  void find_pieces_of(int region, Columns columns);
+  /// Gives a piece's packed voxels to its region's part.
+  void append(const Piece& piece);
+  /// Packs the row's visible voxels: straight colours and corrected opacities.
+  void pack_samples(PackedVoxel* voxels);
+
+  /// Those voxels of `mask` (bit k: column first + k) that are not hidden.
+  std::uint64_t seen_of(int region, std::uint32_t first, std::uint64_t mask) const;
+  /// The same for the run of bits begin … end − 1. Halves a run that is partly hidden.
+  std::uint64_t seen_of_run(int region, std::uint32_t first, int begin, int end) const;
+  /// How much of the window of the voxels in columns first … last is opaque; wider by a rounding error.
+  OpaqueTiles::Cover cover_of(int region, std::uint32_t first, std::uint32_t last) const;
 
   /// Counts splats of a region: this row's voxels in columns first + k for each bit k of `mask`. Marks the
   /// region as used by the slice.
@@ -103,7 +130,6 @@ class RowBand {
     for (; mask != 0 && passes != all_columns; mask &= mask - 1)
       passes |= std::uint16_t(1U << (first + std::countr_zero(mask)) % frame_.stride);
   }
-  bool used(int region) const { return counts_[std::size_t(region)].splats > 0; }
   /// How much of the window (inclusive, image-plane pixels) is opaque inside the region, as far as this GP
   /// knows.
   OpaqueTiles::Cover hidden(int region, const PixelWindow& window) const {
@@ -121,32 +147,18 @@ class RowBand {
   }
   /// Columns of the row whose windows can meet pixels [low, high) along x (0) or y (1); rounding may add a
   /// few.
-  Columns reaching(int along, double low, double high, Columns columns) const {
-    low -= beyond_[along];
-    high += beyond_[along];
-    const double start = dda_.row_start()[along], inverse = inverse_step_[along];
-    if (!std::isfinite(inverse)) return start >= low && start <= high ? columns : Columns{0, 0};
-    const double a = (low - start) * inverse, b = (high - start) * inverse;
-    const double first = std::max(std::min(a, b), double(columns.first)),
-                 last = std::min(std::max(a, b), double(columns.end) - 1);
-    if (!(first <= last)) return {0, 0};
-    const auto truncated = static_cast<std::uint32_t>(static_cast<std::int64_t>(first));
-    return {truncated + (double(truncated) < first),
-            static_cast<std::uint32_t>(static_cast<std::int64_t>(last)) + 1};
-  }
+  Columns reaching(int along, double low, double high, Columns columns) const;
 
   const EncoderFrame& frame_;
   SliceDda dda_;
   SliceView slice_;
-  VisibleRow found_;  ///< the row's visible voxels
-
- private:
-  /// Begins the row, finds its visible voxels whose windows can meet the image, and counts the others.
-  void find_row();
-
+  VisibleRow found_;                  ///< the row's visible voxels
   VisibleVoxels* voxels_ = nullptr;   ///< of the slice
   std::vector<RegionCounts> counts_;  ///< by region
   std::vector<int> used_;             ///< regions with splats in this slice
+  std::vector<Part> parts_;           ///< by region
+  std::vector<Piece> pieces_;         ///< of the row, region by region
+  Buffer<PackedVoxel> packed_;        ///< the row's voxels
   glm::dvec2 inverse_step_;           ///< from column to column, of pixels
   /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ outside them; plus a margin for
   /// rounding.
@@ -155,8 +167,5 @@ class RowBand {
   int row_offset_ = 0;     ///< within the stride
   std::uint64_t visible_ = 0, outside_ = 0;
 };
-
-std::unique_ptr<RowBand> make_word_band(const EncoderFrame& frame);
-std::unique_ptr<RowBand> make_run_band(const EncoderFrame& frame);
 
 }  // namespace ringsplat

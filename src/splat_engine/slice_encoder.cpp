@@ -58,12 +58,9 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
     VisibleVoxels& visible = empty_space_.voxels(slice, frame_->shown.transfer_function, geometry().box);
     const std::vector<int> bounds = row_bounds(visible.runs(), slice.height, threads_.size());
     bands_in_use_ = bounds.size() - 1;
-    while (bands_.size() < bands_in_use_)
-      bands_.push_back(frame_->splats.payload == PayloadForm::words ? make_word_band(*shared_)
-                                                                    : make_run_band(*shared_));
+    while (bands_.size() < bands_in_use_) bands_.emplace_back(*shared_);
     complete_.assign(bands_in_use_, 0);
-    for (std::size_t k = 0; k < bands_in_use_; ++k)
-      bands_[k]->begin(slice, visible, bounds[k], bounds[k + 1]);
+    for (std::size_t k = 0; k < bands_in_use_; ++k) bands_[k].begin(slice, visible, bounds[k], bounds[k + 1]);
   }
 
   bool work() override {
@@ -72,8 +69,7 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
     const int pieces_at_once = bands_in_use_ > 1 ? 4 : 1;
     threads_.run(int(bands_in_use_), [this, pieces_at_once](int band) {
       char& complete = complete_[std::size_t(band)];
-      if (!complete)
-        complete = bands_[std::size_t(band)]->work(1024 * pieces_at_once, 16384 * pieces_at_once);
+      if (!complete) complete = bands_[std::size_t(band)].work(1024 * pieces_at_once, 16384 * pieces_at_once);
     });
     return std::all_of(complete_.begin(), complete_.end(), [](char complete) { return complete; });
   }
@@ -82,9 +78,9 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
     EncodedStep encoded;
     encoded.parts.resize(std::size_t(renderers_));
     encoded.counts.voxels = voxels_;
-    for (const auto& band : bands()) {
-      encoded.counts.visible += band->visible_voxels();
-      encoded.counts.outside += band->voxels_outside();
+    for (const RowBand& band : bands()) {
+      encoded.counts.visible += band.visible_voxels();
+      encoded.counts.outside += band.voxels_outside();
     }
     for (const int region : used_regions()) {
       const auto owner = std::size_t(drawer_of(region));
@@ -93,7 +89,7 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
         part.payload = Message::body_buffer();
         part.payload.reserve(last_bytes_[owner]);
       }
-      bands_.front()->append_parts(region, bands(), part.payload);
+      RowBand::append_parts(region, bands(), part.payload);
       const RegionCounts counts = counts_of(region);
       part.items += counts.splats;
       for (const auto bits : counts.passes) part.passes += std::uint32_t(std::popcount(bits));
@@ -101,7 +97,7 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
     }
     for (std::size_t k = 0; k < last_bytes_.size(); ++k)
       last_bytes_[k] = std::max(encoded.parts[k].payload.size(), last_bytes_[k] / 2);
-    for (const auto& band : bands()) band->clear_counts();
+    for (RowBand& band : bands()) band.clear_counts();
     return encoded;
   }
 
@@ -110,23 +106,23 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
   }
 
  private:
-  std::span<const std::unique_ptr<RowBand>> bands() const { return std::span(bands_).first(bands_in_use_); }
+  std::span<RowBand> bands() { return std::span(bands_).first(bands_in_use_); }
 
   /// Ascending, the order in payloads.
-  std::vector<int> used_regions() const {
+  std::vector<int> used_regions() {
     std::vector<int> regions;
-    for (const auto& band : bands())
-      regions.insert(regions.end(), band->used_regions().begin(), band->used_regions().end());
+    for (const RowBand& band : bands())
+      regions.insert(regions.end(), band.used_regions().begin(), band.used_regions().end());
     std::sort(regions.begin(), regions.end());
     regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
     return regions;
   }
 
   /// Sum over bands; a pass with splats in several bands counts once.
-  RegionCounts counts_of(int region) const {
+  RegionCounts counts_of(int region) {
     RegionCounts sum;
-    for (const auto& band : bands()) {
-      const RegionCounts& counts = band->counts(region);
+    for (const RowBand& band : bands()) {
+      const RegionCounts& counts = band.counts(region);
       sum.splats += counts.splats;
       for (std::size_t k = 0; k < sum.passes.size(); ++k)
         sum.passes[k] = std::uint16_t(sum.passes[k] | counts.passes[k]);
@@ -141,7 +137,7 @@ class SliceEncoder final : public FrameEncoder<SplatFrame> {
   std::vector<std::size_t> last_bytes_;  ///< by Renderer: about as many as its last payload had
   std::optional<EncoderFrame> shared_;   ///< made for the first slice: a GP may have none
   std::uint64_t voxels_ = 0;             ///< of the slice
-  std::vector<std::unique_ptr<RowBand>> bands_;
+  std::vector<RowBand> bands_;
   std::size_t bands_in_use_ = 0;  ///< how many bands the slice uses, in the order of its rows
   std::vector<char> complete_;    ///< by band in use; each is written by one thread
 };

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <atomic>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,7 +21,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
 
   void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
     for (Lane& lane : lanes_) {
-      lane.reader = make_payload_reader(*frame);  // the one before refers to the last frame
+      lane.reader.emplace(*frame);  // the one before refers to the last frame
       lane.drawing = false;
     }
     FramePainter::begin_frame(std::move(frame));
@@ -41,7 +42,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
     // Largest regions first, so that threads finish at about the same time; any order is correct.
     if (lanes_in_use_ > 1)
       std::sort(parts_.begin(), parts_.end(),
-                [](const auto& one, const auto& other) { return one.bytes.size() > other.bytes.size(); });
+                [](const auto& one, const auto& other) { return one.voxels > other.voxels; });
   }
 
   bool work() override {
@@ -74,7 +75,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
  private:
   /// What a thread draws with.
   struct alignas(64) Lane {
-    std::unique_ptr<PayloadReader> reader;
+    std::optional<PayloadReader> reader;
     bool drawing = false;  ///< its part is not complete yet
     ItemCounts counts;     ///< counts and seconds since work() last collected them
     double busy = 0, compositing = 0;

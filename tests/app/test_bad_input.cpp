@@ -168,7 +168,6 @@ const std::vector<Case> contradictions{
     {"+ --link-slots 2", "no effect"},
     {"render {in}/good.nrrd --count-only --max-error 3", "--count-only and --max-error"},
     {"render {in}/good.nrrd --count-only --error method", "--count-only and --error"},
-    {"+ --quality paper --payload texts", "runs|words"},
     {"+ --layers 3", "--layers"},
     {"+ --layers 0", "--layers"},
     {"+ --layers 2147483647", "--layers"},

@@ -50,12 +50,10 @@ TEST_CASE("single options come before a quality's settings") {
   CHECK(drawn_by({"--samples", "4", "--quality", "draft"}) == Method(finer));
   // Of a plane that is not used the samples have no trace.
   CHECK(drawn_by({"--quality", "normal", "--image-plane", "screen"}) == Method(Sheets{.slabs = 2}));
-  const auto splats = drawn_by({"--quality", "paper", "--radius", "1.4", "--payload", "words",
-                                "--image-plane", "slices", "--samples", "2"});
-  CHECK(splats == Method(Splats{.image_plane = ImagePlane::slices,
-                                .plane_samples = 2,
-                                .kernel_radius = 1.4,
-                                .payload = PayloadForm::words}));
+  const auto splats =
+      drawn_by({"--quality", "paper", "--radius", "1.4", "--image-plane", "slices", "--samples", "2"});
+  CHECK(splats ==
+        Method(Splats{.image_plane = ImagePlane::slices, .plane_samples = 2, .kernel_radius = 1.4}));
 }
 
 TEST_CASE("what every subcommand draws or predicts takes a quality") {
@@ -86,7 +84,7 @@ TEST_CASE("a configuration file gives a quality, and the command line comes firs
 }
 
 TEST_CASE("options of one engine are refused with the other") {
-  const std::vector<std::vector<std::string>> of_splats{{"--radius", "1.5"}, {"--payload", "words"}};
+  const std::vector<std::vector<std::string>> of_splats{{"--radius", "1.5"}};
   const std::vector<std::vector<std::string>> of_sheets{
       {"--slabs", "1"}, {"--light-points", "1"}, {"--samples", "1.5", "--image-plane", "slices"}};
   const auto check_error = [](const Words& words, const std::string& choice, const std::string& value,

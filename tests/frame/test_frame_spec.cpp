@@ -50,7 +50,6 @@ FrameSpec unusual_spec() {
   spec.shown.clip = VoxelBox{{1, 2, 3}, {40, 50, 60}};
   spec.shown.clip_planes = {{{1, -2, 0.5}, 12.5}};
   spec.shown.edges = EdgeOpacity{0.5, 20};
-  spec.as<Splats>().payload = PayloadForm::words;
   return spec;
 }
 
@@ -76,7 +75,7 @@ TEST_CASE("bytes that are no frame announcement are refused, whatever their leng
     REQUIRE_THROWS_AS(method_of(other), RunError);
   for (const int unknown : {-1, 2, 1 << 30}) {
     FrameSpec odd = unusual_spec();
-    odd.as<Splats>().payload = static_cast<PayloadForm>(unknown);
+    odd.as<Splats>().image_plane = static_cast<ImagePlane>(unknown);
     REQUIRE_THROWS_AS(decode_frame_spec(encode(odd)), RunError);
   }
 }

@@ -96,7 +96,6 @@ TEST_CASE("where the volume lies in the picture changes who draws it, and no bit
         spec.as<Splats>().image_plane = plane;
         for (const double radius : {0.5, 1.6, 3.0}) {
           spec.as<Splats>().kernel_radius = radius;
-          spec.as<Splats>().payload = PayloadForm::runs;
           const Image alone = render_loopback(*source, spec, 1, 1).image;
           const int renderers = 2 + int(radius * 2);
           INFO(fmt::format("centre {}, {}, scale {}, {}, radius {}, {} Renderers", centre.x, centre.y, scale,
@@ -105,7 +104,6 @@ TEST_CASE("where the volume lies in the picture changes who draws it, and no bit
             spec.division.region_size = region;
             REQUIRE(render_loopback(*source, spec, 2, renderers).image == alone);
           }
-          spec.as<Splats>().payload = PayloadForm::words;
           REQUIRE(render_loopback(*source, spec, 3, renderers, {}, Placement::colocated).image == alone);
         }
       }

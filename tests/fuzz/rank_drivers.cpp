@@ -36,16 +36,15 @@ FrameSpec frame_of_ranks() {
 const std::vector<Job>& jobs() {
   static const std::vector<Job> all = [] {
     const FrameSpec spec = frame_of_ranks();
-    FrameSpec words = spec, shaded = spec;
-    words.as<Splats>().payload = PayloadForm::words;
+    FrameSpec shaded = spec;
     shaded.shown.shading = Shading::phong;
     shaded.as<Splats>().image_plane = ImagePlane::slices;
     ProtocolOptions ahead;
     ahead.send_ahead = ahead.look_ahead = 3;
     return std::vector<Job>{
-        {Layout{2, 2}, {}, spec},          {Layout{3, 2, Placement::colocated}, ahead, shaded},
-        {mesh_layout(2, 2, 3), {}, words}, {mesh_layout(2, 2, 2, Routing::direct), {}, spec},
-        {Layout{2, 2}, {}, spec, true},    {Layout{.gps = 2, .renderers = 2, .bundle = 4}, ahead, shaded}};
+        {Layout{2, 2}, {}, spec},         {Layout{3, 2, Placement::colocated}, ahead, shaded},
+        {mesh_layout(2, 2, 3), {}, spec}, {mesh_layout(2, 2, 2, Routing::direct), {}, spec},
+        {Layout{2, 2}, {}, spec, true},   {Layout{.gps = 2, .renderers = 2, .bundle = 4}, ahead, shaded}};
   }();
   return all;
 }

@@ -19,9 +19,8 @@ FrameSpec small_frame(unsigned choice) {
   spec.division.region_size = 16;
   spec.shown.transfer_function = test::ramp(20, 255, 0.9);
   spec.division.dealt_to = small_renderers;
-  if (choice % 2 == 1) spec.as<Splats>().payload = PayloadForm::words;
-  if (choice % 4 >= 2) spec.shown.shading = Shading::none;
-  switch (choice / 4 % 4) {
+  if (choice % 2 == 1) spec.shown.shading = Shading::none;
+  switch (choice / 2 % 4) {
     case 1:
       spec.as<Splats>().image_plane = ImagePlane::slices;
       spec.as<Splats>().plane_samples = 1 << choice % 3;

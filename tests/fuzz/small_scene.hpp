@@ -15,7 +15,7 @@ Grid small_grid();
 /// A picture of the small grid, 48 x 40 pixels in regions of 16. The bits of `choice` select the payload's
 /// form, the image plane and how kernels are drawn: all that decoding payloads depends on.
 FrameSpec small_frame(unsigned choice);
-inline constexpr unsigned frame_choices = 16;  ///< number of different choices
+inline constexpr unsigned frame_choices = 8;  ///< number of different choices
 /// All of a grid's slices, with values and normals of every kind.
 SliceStore patterned_slices(const Grid& grid);
 

@@ -64,8 +64,7 @@ std::vector<Input> configuration_seeds() {
           "# a mesh\ntopology = \"mesh\"\nmesh = \"4x4\"\nrouting = 'direct'\nframes-in-flight = 3\n",
           "[render]\nazimuth = 30.5\nzoom = 2\nshading = \"none\"\nannotate = true\nbackground = "
           "\"#102030\"\n",
-          "payload = \"words\"\nregion = 64\nimage-plane = \"slices\"\nsamples = 2\nmax-error = 2.5\nverbose "
-          "= true\n"};
+          "region = 64\nimage-plane = \"slices\"\nsamples = 2\nmax-error = 2.5\nverbose = true\n"};
 }
 
 /// Input: one argument a line.

@@ -80,94 +80,86 @@ TEST_CASE("rows are cut into bands of about as many voxels") {
 TEST_CASE("payloads are the same bytes whatever the number of threads", "[threads]") {
   const auto source = synth_source("ball", make_grid({70, 61, 24}));
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
-    for (const PayloadForm form : {PayloadForm::words, PayloadForm::runs})
-      for (const int region : {40, 4096})
-        for (const double zoom : {1.2, 8.0}) {
-          FrameSpec spec = oblique_view(300, 280, 32);
-          spec.shown.camera = {.azimuth = 33, .elevation = 21, .zoom = zoom};
-          spec.shown.width = spec.shown.height = 700;
-          spec.as<Splats>().image_plane = plane;
-          spec.as<Splats>().payload = form;
-          spec.division.region_size = region;
-          const auto alone = encode_all(*source, spec, 3, 1);
-          for (const int threads : {2, 3, 8}) {
-            INFO(fmt::format("plane {}, form {}, regions of {}, zoom {}, {} threads", int(plane), int(form),
-                             region, zoom, threads));
-            const auto shared = encode_all(*source, spec, 3, threads);
-            REQUIRE(shared.size() == alone.size());
-            std::uint64_t visible = 0;
-            for (std::size_t k = 0; k < alone.size(); ++k) {
-              for (std::size_t r = 0; r < alone[k].parts.size(); ++r) {
-                const EncodedPart &one = alone[k].parts[r], &other = shared[k].parts[r];
-                REQUIRE(body_of(other.payload) == body_of(one.payload));
-                REQUIRE(other.items == one.items);
-                REQUIRE(other.passes == one.passes);
-                REQUIRE(other.tiles == one.tiles);
-              }
-              REQUIRE(shared[k].counts.visible == alone[k].counts.visible);
-              REQUIRE(shared[k].counts.voxels == alone[k].counts.voxels);
-              visible += alone[k].counts.visible;
+    for (const int region : {40, 4096})
+      for (const double zoom : {1.2, 8.0}) {
+        FrameSpec spec = oblique_view(300, 280, 32);
+        spec.shown.camera = {.azimuth = 33, .elevation = 21, .zoom = zoom};
+        spec.shown.width = spec.shown.height = 700;
+        spec.as<Splats>().image_plane = plane;
+        spec.division.region_size = region;
+        const auto alone = encode_all(*source, spec, 3, 1);
+        for (const int threads : {2, 3, 8}) {
+          INFO(
+              fmt::format("plane {}, regions of {}, zoom {}, {} threads", int(plane), region, zoom, threads));
+          const auto shared = encode_all(*source, spec, 3, threads);
+          REQUIRE(shared.size() == alone.size());
+          std::uint64_t visible = 0;
+          for (std::size_t k = 0; k < alone.size(); ++k) {
+            for (std::size_t r = 0; r < alone[k].parts.size(); ++r) {
+              const EncodedPart &one = alone[k].parts[r], &other = shared[k].parts[r];
+              REQUIRE(body_of(other.payload) == body_of(one.payload));
+              REQUIRE(other.items == one.items);
+              REQUIRE(other.passes == one.passes);
+              REQUIRE(other.tiles == one.tiles);
             }
-            REQUIRE(visible > 1000);
+            REQUIRE(shared[k].counts.visible == alone[k].counts.visible);
+            REQUIRE(shared[k].counts.voxels == alone[k].counts.voxels);
+            visible += alone[k].counts.visible;
           }
+          REQUIRE(visible > 1000);
         }
+      }
 }
 
 TEST_CASE("the image and the counts are the same whatever the number of threads", "[threads]") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
-    for (const auto form : {PayloadForm::runs, PayloadForm::words})
-      for (const int region : {9, 32, 4096}) {
-        FrameSpec spec = oblique_view(300, 280, 32);
-        spec.as<Splats>().image_plane = plane;
-        spec.as<Splats>().payload = form;
-        spec.division.region_size = region;
-        spec.shown.opaque_threshold = 0;  // hidden counts depend on when GPs get the news
-        const auto alone = render_loopback(*source, spec, 1, 1);
-        REQUIRE(brightest(alone.image) > 0.1F);
-        const NodeStats counted = alone.stats.total();
-        for (const int threads : team_sizes) {
-          INFO(fmt::format("plane {}, form {}, regions of {}, {} threads", int(plane), int(form), region,
-                           threads));
-          const auto one = render_loopback(*source, spec, 1, 1, {}, Placement::colocated, {},
-                                           {.threads_per_rank = threads});
-          REQUIRE(one.image == alone.image);
-          const NodeStats total = one.stats.total();
-          CHECK(total.splats_drawn == counted.splats_drawn);
-          CHECK(total.splats_clipped == counted.splats_clipped);
-          CHECK(total.splats_sent == counted.splats_sent);
-          CHECK(total.payload_bytes_sent == counted.payload_bytes_sent);
-          CHECK(total.visible_voxels == counted.visible_voxels);
-        }
+    for (const int region : {9, 32, 4096}) {
+      FrameSpec spec = oblique_view(300, 280, 32);
+      spec.as<Splats>().image_plane = plane;
+      spec.division.region_size = region;
+      spec.shown.opaque_threshold = 0;  // hidden counts depend on when GPs get the news
+      const auto alone = render_loopback(*source, spec, 1, 1);
+      REQUIRE(brightest(alone.image) > 0.1F);
+      const NodeStats counted = alone.stats.total();
+      for (const int threads : team_sizes) {
+        INFO(fmt::format("plane {}, regions of {}, {} threads", int(plane), region, threads));
+        const auto one =
+            render_loopback(*source, spec, 1, 1, {}, Placement::colocated, {}, {.threads_per_rank = threads});
+        REQUIRE(one.image == alone.image);
+        const NodeStats total = one.stats.total();
+        CHECK(total.splats_drawn == counted.splats_drawn);
+        CHECK(total.splats_clipped == counted.splats_clipped);
+        CHECK(total.splats_sent == counted.splats_sent);
+        CHECK(total.payload_bytes_sent == counted.payload_bytes_sent);
+        CHECK(total.visible_voxels == counted.visible_voxels);
       }
+    }
 }
 
 TEST_CASE("threads keep the bits on any layout, with messages in any order", "[threads]") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));
-  for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
-    for (const PayloadForm form : {PayloadForm::words, PayloadForm::runs}) {
-      FrameSpec spec = oblique_view(300, 280, 32);
-      spec.as<Splats>().image_plane = plane;
-      spec.as<Splats>().payload = form;
-      const auto alone = render_loopback(*source, spec, 1, 1);
-      REQUIRE(brightest(alone.image) > 0.1F);
-      for (const int threads : team_sizes)
-        for (const auto& [gps, renderers] : {std::pair{1, 1}, {3, 2}, {2, 5}})
-          for (const auto placement : {Placement::dedicated, Placement::colocated}) {
-            INFO(fmt::format("plane {}, form {}, {} threads, {} GPs, {} Renderers, {}", int(plane), int(form),
-                             threads, gps, renderers,
-                             placement == Placement::dedicated ? "dedicated" : "colocated"));
-            const auto shared = render_loopback(*source, spec, gps, renderers, shuffled(threads), placement,
-                                                {}, {.threads_per_rank = threads});
-            REQUIRE(shared.image == alone.image);
-            // Seconds are wall-clock time, not sums over threads.
-            for (const NodeStats& renderer : shared.stats.renderers) {
-              CHECK(renderer.drawing >= 0);
-              CHECK(renderer.compositing >= 0);
-              CHECK(renderer.drawing + renderer.compositing <= shared.stats.seconds + 0.001);
-            }
+  for (const auto plane : {ImagePlane::screen, ImagePlane::slices}) {
+    FrameSpec spec = oblique_view(300, 280, 32);
+    spec.as<Splats>().image_plane = plane;
+    const auto alone = render_loopback(*source, spec, 1, 1);
+    REQUIRE(brightest(alone.image) > 0.1F);
+    for (const int threads : team_sizes)
+      for (const auto& [gps, renderers] : {std::pair{1, 1}, {3, 2}, {2, 5}})
+        for (const auto placement : {Placement::dedicated, Placement::colocated}) {
+          INFO(fmt::format("plane {}, {} threads, {} GPs, {} Renderers, {}", int(plane), threads, gps,
+                           renderers, placement == Placement::dedicated ? "dedicated" : "colocated"));
+          const auto shared = render_loopback(*source, spec, gps, renderers, shuffled(threads), placement, {},
+                                              {.threads_per_rank = threads});
+          REQUIRE(shared.image == alone.image);
+          // Seconds are wall-clock time, not sums over threads.
+          for (const NodeStats& renderer : shared.stats.renderers) {
+            CHECK(renderer.drawing >= 0);
+            CHECK(renderer.compositing >= 0);
+            CHECK(renderer.drawing + renderer.compositing <= shared.stats.seconds + 0.001);
           }
-    }
+        }
+  }
 }
 
 TEST_CASE("threads keep the bits of opaque pixels", "[threads]") {

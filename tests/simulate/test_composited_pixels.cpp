@@ -15,16 +15,13 @@ namespace {
 
 constexpr int renderers = 4;
 
-FrameSpec view_of(Camera camera, PayloadForm payload) {
+FrameSpec view_of(Camera camera) {
   FrameSpec spec = oblique_view(400, 400, 0);
   spec.shown.camera = camera;
   spec.shown.transfer_function = ramp(110, 255, 0.3);
   spec.shown.shading = Shading::none;
   spec.shown.opaque_threshold = 0;
   spec.division.region_size = 64;
-  Splats splats;
-  splats.payload = payload;
-  spec.how = splats;
   return spec;
 }
 
@@ -70,19 +67,18 @@ Pixels pixels_of(const FrameSpec& spec, const Grid& grid, double voxel_weight, i
 TEST_CASE("the pixels that a GP counts are those that Renderers composite") {
   const Grid grid = make_grid({96, 96, 96});
   const Camera above{.azimuth = 0, .elevation = 90}, turned{.azimuth = 35, .elevation = 60};
-  for (const PayloadForm payload : {PayloadForm::runs, PayloadForm::words})
-    for (const Camera& camera : {above, turned}) {
-      const Pixels pixels = pixels_of(view_of(camera, payload), grid, 1);
-      CHECK(pixels.composited > 1000);
-      // Kernels are round: their windows' outermost rows and columns may hold none of their pixels.
-      CHECK(pixels.composited <= pixels.counted);
-      CHECK(pixels.composited == Approx(pixels.counted).epsilon(0.15));
-      CHECK(pixels_of(view_of(camera, payload), grid, 1, 3).counted == pixels.counted);
-    }
+  for (const Camera& camera : {above, turned}) {
+    const Pixels pixels = pixels_of(view_of(camera), grid, 1);
+    CHECK(pixels.composited > 1000);
+    // Kernels are round: their windows' outermost rows and columns may hold none of their pixels.
+    CHECK(pixels.composited <= pixels.counted);
+    CHECK(pixels.composited == Approx(pixels.counted).epsilon(0.15));
+    CHECK(pixels_of(view_of(camera), grid, 1, 3).counted == pixels.counted);
+  }
 }
 
 TEST_CASE("voxels that stand for others count as many pixels as these do") {
-  const FrameSpec spec = view_of({.azimuth = 0, .elevation = 90, .zoom = 1.37}, PayloadForm::runs);
+  const FrameSpec spec = view_of({.azimuth = 0, .elevation = 90, .zoom = 1.37});
   const double real = pixels_of(spec, make_grid({384, 384, 96}), 1).counted,
                weighed = pixels_of(spec, make_grid({96, 96, 96}, ScalarType::uint8, {4, 4, 1}), 16).counted;
   CHECK(weighed == Approx(real).epsilon(0.05));

@@ -11,11 +11,9 @@ TEST_CASE("a run that only counts sends as much as one that draws, by both engin
   const auto source = synth_source("jack", make_grid({33, 29, 24}));
   EngineOptions counting;
   simulate({.count_only = true}, counting);
-  Splats words;
-  words.payload = PayloadForm::words;
   Layout bundles{4, 3}, together{3, 3, Placement::colocated};
   bundles.bundle = 5;
-  for (const Method& how : {Method(Splats{}), Method(words), Method(Sheets{})})
+  for (const Method& how : {Method(Splats{}), Method(Sheets{})})
     for (const Layout& layout : {Layout{4, 3}, bundles, together, mesh_layout(2, 2, 2)}) {
       FrameSpec spec = oblique_view(96, 80, 0);
       spec.how = how;

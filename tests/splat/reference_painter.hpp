@@ -8,7 +8,7 @@
 namespace ringsplat::test {
 
 /// The painter's definition in double precision: no window, no table, no tiles. Colour and opacity are the
-/// splats' own words.
+/// splats' own.
 class DoublePainter {
  public:
   DoublePainter(const Footprint& footprint, int width, int height)
@@ -79,7 +79,7 @@ class FloatPainter {
   void draw(const Placed& placed) {
     for (int y = 0; y < height_; ++y) {
       for (int x = 0; x < width_; ++x) {
-        const std::int64_t dx = x - placed.anchor_x, dy = y - placed.anchor_y;
+        const std::int64_t dx = x - placed.splat.anchor_x, dy = y - placed.splat.anchor_y;
         if (dx < -reach_.x || dx > reach_.x + 1 || dy < -reach_.y || dy > reach_.y + 1) continue;
         add(placed.splat, static_cast<double>(dx), static_cast<double>(dy),
             slice_.data() + 4 * (y * width_ + x));

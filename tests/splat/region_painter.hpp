@@ -1,7 +1,5 @@
 #pragma once
-#include <cstddef>
-#include <cstdint>
-#include <optional>
+#include <memory>
 #include <span>
 
 #include "raster/region_image.hpp"
@@ -16,13 +14,10 @@ class RegionPainter {
 
   void begin_frame(const Footprint& footprint, float opaque_threshold = 0) {
     image_.begin_frame(opaque_threshold);
-    sum_.reset();
-    sum_.emplace(footprint, image_.rect());
+    sum_ = std::make_unique<SplatSum>(footprint, image_.rect());
     sum_->begin(image_);
   }
-  DrawCounts draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats) {
-    return sum_->draw(base_x, base_y, splats);
-  }
+  DrawCounts draw(std::span<const Splat> splats) { return sum_->draw(splats); }
   void composite() { sum_->composite(); }
   const OpaqueTiles& opaque_tiles() const { return image_.opaque_tiles(); }
   bool touched() const { return image_.touched(); }
@@ -30,7 +25,7 @@ class RegionPainter {
 
  private:
   RegionImage image_;
-  std::optional<SplatSum> sum_;
+  std::unique_ptr<SplatSum> sum_;
 };
 
 }  // namespace ringsplat::test

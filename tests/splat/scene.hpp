@@ -9,6 +9,7 @@
 
 #include "splat/region_painter.hpp"
 #include "splat/splat.hpp"
+#include "splat/voxel_run.hpp"
 
 namespace ringsplat::test {
 
@@ -51,10 +52,9 @@ inline double direct_q(const Footprint& footprint, glm::dvec2 from_centre) {
 
 inline double quartic(double q) { return q > 0 ? q * q : 0; }
 
-/// A splat and the screen pixel of its anchor, and the centre it was made from.
+/// A splat and the centre it was made from.
 struct Placed {
   Splat splat;
-  std::int64_t anchor_x, anchor_y;
   double x, y;
 };
 
@@ -62,26 +62,23 @@ struct Material {
   float red, green, blue, opacity;
 };
 
-inline Placed place(const Footprint& footprint, double x, double y, const Material& material) {
-  const auto at = anchor(x, y);
-  return {make_splat(footprint, at.dx, at.dy, material.red, material.green, material.blue, material.opacity),
-          at.anchor_x, at.anchor_y, x, y};
+/// As it arrives at a Renderer.
+inline VoxelColour sent(const Material& material) {
+  PackedVoxel voxel;
+  pack(&material.red, 1, &voxel);
+  return unpack(voxel);
 }
 
-inline std::span<const std::byte> bytes_of(const Splat& splat) { return std::as_bytes(std::span(&splat, 1)); }
+inline Placed place(const Footprint& footprint, double x, double y, const Material& material) {
+  return {make_splat(footprint, anchor(x, y), sent(material)), x, y};
+}
 
 /// `painter`: a RegionPainter or a SplatSum.
 template <class Painter>
 DrawCounts draw_all(Painter& painter, const std::vector<Placed>& splats) {
-  DrawCounts total;
-  for (const auto& placed : splats) {
-    const auto counts = painter.draw(static_cast<std::int32_t>(placed.anchor_x),
-                                     static_cast<std::int32_t>(placed.anchor_y), bytes_of(placed.splat));
-    total.drawn += counts.drawn;
-    total.clipped += counts.clipped;
-    total.hidden += counts.hidden;
-  }
-  return total;
+  std::vector<Splat> all;
+  for (const auto& placed : splats) all.push_back(placed.splat);
+  return painter.draw(all);
 }
 
 /// Splats at random over [x0, x1) × [y0, y1), with their kernels' weights.

@@ -4,6 +4,7 @@
 #include <random>
 #include <set>
 
+#include "splat/run_sum.hpp"
 #include "splat/scene.hpp"
 #include "splat/voxel_sum.hpp"
 #include "support/catch.hpp"
@@ -57,11 +58,6 @@ struct Painted {
   DrawCounts counts;
 };
 
-Painted finish(RegionPainter& painter, const DrawCounts& counts) {
-  painter.composite();
-  return {tile_of(painter, width, height), counts};
-}
-
 AlignedFrame aligned_frame(const Footprint& footprint, const ViewTransform& view) {
   const auto frame = AlignedFrame::of(footprint, view, Axis::z);
   REQUIRE(frame);
@@ -98,8 +94,9 @@ std::vector<Block> to_blocks(const std::vector<Row>& runs) {
   return blocks;
 }
 
-Painted paint_rows(const Footprint& footprint, const ViewTransform& view, const std::vector<Row>& runs) {
-  VoxelSum sum(aligned_frame(footprint, view), {0, 0, width + 9, height + 5});
+/// Through a VoxelSum or a RunSum.
+template <class Sum>
+Painted paint(Sum sum, const std::vector<Row>& runs) {
   RegionImage image({left_x, top_y, left_x + width, top_y + height});
   sum.begin(image, slice);
   DrawCounts counts;
@@ -111,21 +108,14 @@ Painted paint_rows(const Footprint& footprint, const ViewTransform& view, const 
   return {tile_of(image, width, height), counts};
 }
 
+constexpr PixelRect largest{0, 0, width + 9, height + 5};
+
+Painted paint_rows(const Footprint& footprint, const ViewTransform& view, const std::vector<Row>& runs) {
+  return paint(VoxelSum(aligned_frame(footprint, view), largest), runs);
+}
+
 Painted paint_splats(const Footprint& footprint, const ViewTransform& view, const std::vector<Row>& runs) {
-  RegionPainter painter(left_x, top_y, width, height);
-  painter.begin_frame(footprint);
-  DrawCounts counts;
-  for (const Row& run : runs) {
-    for (std::size_t k = 0; k < run.voxels.size(); ++k) {
-      const glm::dvec3 at = view.project({run.first + double(k), run.row, slice});
-      Placed placed = place(footprint, at.x, at.y, {0, 0, 0, run.voxels[k].opacity});
-      placed.splat.red = run.voxels[k].red;
-      placed.splat.green = run.voxels[k].green;
-      placed.splat.blue = run.voxels[k].blue;
-      add(counts, draw_all(painter, {placed}));
-    }
-  }
-  return finish(painter, counts);
+  return paint(RunSum(footprint, SliceDda(view, Axis::z, 192), largest), runs);
 }
 
 }  // namespace

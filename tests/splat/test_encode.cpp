@@ -56,27 +56,17 @@ TEST_CASE("the pixel window holds every pixel with Q > 0", "[encode]") {
   }
 }
 
-TEST_CASE("colours are rounded to 16 bits and clamped", "[encode]") {
-  CHECK(quantise_colour(0) == 0);
-  CHECK(quantise_colour(1) == 65535);
-  CHECK(quantise_colour(0.5F) == 32768);
-  CHECK(quantise_colour(-3) == 0);
-  CHECK(quantise_colour(7) == 65535);
-  CHECK(quantise_colour(std::numeric_limits<float>::quiet_NaN()) == 0);
-  for (int i = 0; i <= 65535; ++i) REQUIRE(quantise_colour(static_cast<float>(i) / 65535.0F) == i);
-}
-
-TEST_CASE("a splat's words are the rounded coefficients", "[encode]") {
+TEST_CASE("a splat has its anchor, its voxel's colour and the rounded coefficients", "[encode]") {
   const auto footprint = footprint_of({1.17, 0.3, 0.8, 0.1, 1});
   const auto exact = coefficients(footprint, 0.25, 0.75);
-  const auto splat = make_splat(footprint, 0.25, 0.75, 0.1F, 0.2F, 0.3F, 0.4F, 17, 200);
+  const auto splat = make_splat(footprint, {17, 200, 0.25, 0.75}, {1000, 20000, 65535, 0.4F});
   CHECK(splat.a == static_cast<float>(exact.a));
   CHECK(splat.b == static_cast<float>(exact.b));
   CHECK(splat.c == static_cast<float>(exact.c));
   CHECK(splat.opacity == static_cast<float>(static_cast<double>(0.4F) * footprint.weight));
-  CHECK(splat.red == quantise_colour(0.1F));
-  CHECK(splat.green == quantise_colour(0.2F));
-  CHECK(splat.blue == quantise_colour(0.3F));
+  CHECK(splat.red == 1000);
+  CHECK(splat.green == 20000);
+  CHECK(splat.blue == 65535);
   CHECK(splat.anchor_x == 17);
   CHECK(splat.anchor_y == 200);
 }
@@ -96,8 +86,8 @@ TEST_CASE("float32 coefficients give Q to float precision all over a 4096 x 4096
         const auto x = static_cast<float>(dx), y = static_cast<float>(dy);
         const auto k = static_cast<float>(footprint.d * x * x + footprint.e * x * y + footprint.f * y * y);
         const float q = (k + placed.splat.a * x) + (placed.splat.c + placed.splat.b * y);
-        const glm::dvec2 pixel(static_cast<double>(placed.anchor_x + dx) + 0.5,
-                               static_cast<double>(placed.anchor_y + dy) + 0.5);
+        const glm::dvec2 pixel(static_cast<double>(placed.splat.anchor_x + dx) + 0.5,
+                               static_cast<double>(placed.splat.anchor_y + dy) + 0.5);
         const double exact = direct_q(footprint, pixel - glm::dvec2(x0, y0));
         if (exact > -1) worst = std::max(worst, std::abs(static_cast<double>(q) - exact));
       }

@@ -22,7 +22,7 @@ std::vector<float> picture(const std::vector<std::vector<Placed>>& scene, const 
   for (const auto& slice : scene) {
     for (const auto& placed : slice) {
       const auto reach = kernel_reach(footprint);
-      const PixelWindow window = pixel_window({placed.anchor_x, placed.anchor_y, 0, 0}, reach);
+      const PixelWindow window = pixel_window({placed.splat.anchor_x, placed.splat.anchor_y, 0, 0}, reach);
       if (leave_out_hidden && painter.opaque_tiles().hides(window.x0, window.y0, window.x1, window.y1))
         continue;
       const auto drawn = draw_all(painter, {placed});

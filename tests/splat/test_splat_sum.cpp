@@ -3,8 +3,6 @@
 #include <limits>
 #include <random>
 
-#include "base/byte_stream.hpp"
-#include "ringsplat/base/bytes.hpp"
 #include "splat/reference_painter.hpp"
 #include "splat/scene.hpp"
 #include "support/catch.hpp"
@@ -30,8 +28,7 @@ TEST_CASE("one splat is exactly the quartic", "[painter]") {
   const auto placed = place(footprint, 20.3, 15.9, material);
   RegionPainter painter(0, 0, 40, 32);
   painter.begin_frame(footprint);
-  const auto counts = painter.draw(static_cast<std::int32_t>(placed.anchor_x),
-                                   static_cast<std::int32_t>(placed.anchor_y), bytes_of(placed.splat));
+  const auto counts = painter.draw({&placed.splat, 1});
   CHECK(counts.drawn == 1);
   CHECK(counts.clipped == 0);
   painter.composite();
@@ -143,31 +140,6 @@ TEST_CASE("drawn and clipped tell which splats reach a pixel centre", "[painter]
   CHECK(clipped > 200);
 }
 
-TEST_CASE("splats are drawn alike from one run, from many, and at any alignment", "[painter]") {
-  const auto footprint = footprint_of({1.17, 0.4, 0.7, 0.9, 1});
-  auto splats = random_splats(footprint, 500, 0, 0, 128, 128, 1);
-  RegionPainter single(0, 0, 128, 128);
-  single.begin_frame(footprint);
-  const auto expected_counts = draw_all(single, splats);
-  single.composite();
-
-  Bytes bytes(GENERATE(0, 1, 2, 3, 5, 7));
-  const std::size_t start = bytes.size();
-  constexpr int base = -40;
-  for (auto& placed : splats) {
-    placed.splat.anchor_x = static_cast<std::uint8_t>(placed.anchor_x - base);
-    placed.splat.anchor_y = static_cast<std::uint8_t>(placed.anchor_y - base);
-    append(bytes, placed.splat);
-  }
-  RegionPainter run(0, 0, 128, 128);
-  run.begin_frame(footprint);
-  const auto counts = run.draw(base, base, std::span<const std::byte>(bytes).subspan(start));
-  run.composite();
-  CHECK(counts.drawn == expected_counts.drawn);
-  CHECK(counts.clipped == expected_counts.clipped);
-  CHECK(same_bits(tile_of(run, 128, 128), tile_of(single, 128, 128)));
-}
-
 TEST_CASE("a region that nothing reached is transparent", "[painter]") {
   const auto footprint = footprint_of({1.17, 0, 1, 0, 1});
   RegionPainter painter(256, 128, 64, 64);
@@ -182,7 +154,7 @@ TEST_CASE("a region that nothing reached is transparent", "[painter]") {
   painter.composite();
   CHECK_FALSE(painter.touched());
   CHECK(is_transparent(tile_of(painter, 64, 64)));
-  CHECK(painter.draw(0, 0, {}).clipped == 0);
+  CHECK(painter.draw({}).clipped == 0);
 }
 
 TEST_CASE("nothing of a frame is left in the next one", "[painter]") {
@@ -235,52 +207,37 @@ TEST_CASE("kernels of thousands of pixels far off the screen reach it", "[painte
   CHECK(reference.error(tile_of(painter, width, height)) < 2e-6);
 }
 
-TEST_CASE("anchors at the ends of the 32-bit range are clipped", "[painter]") {
+TEST_CASE("anchors at the ends of their range are clipped", "[painter]") {
   const auto footprint = footprint_of(GENERATE(from_range(std::begin(lattices), std::end(lattices))));
-  constexpr std::int32_t edges[] = {std::numeric_limits<std::int32_t>::min(), -(1 << 30), 1 << 30,
-                                    std::numeric_limits<std::int32_t>::max()};
+  const std::int64_t edges[] = {anchor_pixel(-1e300), -(1 << 30), 1 << 30, anchor_pixel(1e300)};
   const auto corner = GENERATE(0, (1 << 20) - 64);
   RegionPainter painter(corner, corner, 64, 64);
   painter.begin_frame(footprint);
-  auto splat = make_splat(footprint, 0.5, 0.5, 1, 1, 1, 1, 255, 255);
+  const auto clipped = [&](std::int64_t x, std::int64_t y) {
+    const auto splat = make_splat(footprint, {x, y, 0.5, 0.5}, {65535, 65535, 65535, 1});
+    return painter.draw({&splat, 1}).clipped == 1;
+  };
   for (const auto x : edges) {
-    for (const auto y : edges) CHECK(painter.draw(x, y, bytes_of(splat)).clipped == 1);
-    CHECK(painter.draw(x, corner, bytes_of(splat)).clipped == 1);
-    CHECK(painter.draw(corner, x, bytes_of(splat)).clipped == 1);
+    for (const auto y : edges) CHECK(clipped(x, y));
+    CHECK(clipped(x, corner));
+    CHECK(clipped(corner, x));
   }
   CHECK_FALSE(painter.touched());
 }
 
-TEST_CASE("no bytes from outside can break the picture", "[painter][fuzz]") {
-  const auto footprint = footprint_of(GENERATE(from_range(std::begin(lattices), std::end(lattices))));
-  std::mt19937 random(17);
-  std::uniform_int_distribution<int> byte(0, 255), size(1, 70), base(-300, 300);
-  for (int round = 0; round < 40; ++round) {
-    const int width = size(random), height = size(random);
-    RegionPainter painter(0, 0, width, height);
-    painter.begin_frame(footprint);
-    Bytes bytes(static_cast<std::size_t>(100 * sizeof(Splat) + static_cast<std::size_t>(size(random) % 24)));
-    for (auto& value : bytes) value = static_cast<std::byte>(byte(random));
-    const auto counts = painter.draw(base(random), base(random), bytes);
-    CHECK(counts.drawn + counts.clipped == bytes.size() / sizeof(Splat));
-    painter.composite();
-    for (const float value : tile_of(painter, width, height)) REQUIRE((value >= 0 && value <= 1.0001F));
-  }
-}
-
-TEST_CASE("infinite and undefined words are clipped", "[painter][fuzz]") {
+TEST_CASE("infinite and undefined coefficients are clipped", "[painter][fuzz]") {
   const auto footprint = footprint_of({1.17, 0, 1, 0, 1});
   RegionPainter painter(0, 0, 32, 32);
   painter.begin_frame(footprint);
-  const auto good = make_splat(footprint, 0.5, 0.5, 1, 1, 1, 1);
+  const auto good = make_splat(footprint, {16, 16, 0.5, 0.5}, {65535, 65535, 65535, 1});
   for (const float value : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                             -std::numeric_limits<float>::infinity(), std::numeric_limits<float>::max()}) {
     for (const auto word : {&Splat::a, &Splat::b, &Splat::c, &Splat::opacity}) {
       auto bad = good;
       bad.*word = value;
-      CHECK(painter.draw(16, 16, bytes_of(bad)).clipped == 1);
+      CHECK(painter.draw({&bad, 1}).clipped == 1);
     }
   }
   CHECK_FALSE(painter.touched());
-  CHECK(painter.draw(16, 16, bytes_of(good)).drawn == 1);
+  CHECK(painter.draw({&good, 1}).drawn == 1);
 }

@@ -99,8 +99,8 @@ TEST_CASE("voxels are packed to the nearest", "[payload]") {
     for (std::size_t k = 0; k < count; ++k) {
       const float* in = rgba.data() + 4 * k;
       const VoxelColour exact = unpack(packed[k]);
-      CHECK((exact.red == quantise_colour(in[0]) && exact.green == quantise_colour(in[1]) &&
-             exact.blue == quantise_colour(in[2])));
+      const auto nearest = [](float value) { return int(value * 65535.0F + 0.5F); };
+      CHECK((exact.red == nearest(in[0]) && exact.green == nearest(in[1]) && exact.blue == nearest(in[2])));
       CHECK(exact.opacity == in[3]);
     }
     // Nothing is written behind the last voxel.

@@ -1,7 +1,7 @@
 // Times a GP's and a Renderer's part of a frame alone: encodes all slices of a volume for one Renderer, with
 // the news of opaque tiles of a real run, and draws them, for an orbit of views. Prints medians over the
 // views of the best of several repetitions, in milliseconds of thread time.
-//   bench_encoder VOLUME TRANSFER-FUNCTION [runs|words] [repetitions]
+//   bench_encoder VOLUME TRANSFER-FUNCTION [repetitions] [slices]
 #include <time.h>
 
 #include <algorithm>
@@ -111,12 +111,10 @@ double median(const std::vector<View>& all, const Figure& figure) {
   return values[views / 2];
 }
 
-FrameSpec orbit_from(const std::string& form, const std::string& transfer_function,
-                     const Histogram& histogram) {
+FrameSpec orbit_from(const std::string& transfer_function, const Histogram& histogram) {
   FrameSpec spec{.how = Splats{}};
   spec.shown.camera.elevation = 25;
   spec.shown.transfer_function = preset(transfer_function, histogram);
-  if (form == "words") spec.as<Splats>().payload = PayloadForm::words;
   return spec;
 }
 
@@ -124,15 +122,14 @@ FrameSpec orbit_from(const std::string& form, const std::string& transfer_functi
 
 int main(int argc, char** argv) try {
   if (argc < 3)
-    throw std::invalid_argument(
-        "usage: bench_encoder VOLUME TRANSFER-FUNCTION [runs|words] [repetitions] [slices]");
+    throw std::invalid_argument("usage: bench_encoder VOLUME TRANSFER-FUNCTION [repetitions] [slices]");
   SoloCollectives solo;
   OpenedVolume volume = open_everywhere(solo, [&] { return open_volume(argv[1]); });
   const Scene scene = load_scene(volume, {}, Layout{1, 1, Placement::dedicated}, {solo});
   const SliceStore& store = scene.stores.at(0);
-  FrameSpec orbit = orbit_from(argc > 3 ? argv[3] : "float", argv[2], scene.values.histogram);
-  if (argc > 5 && std::string(argv[5]) == "slices") orbit.as<Splats>().image_plane = ImagePlane::slices;
-  const int repetitions = argc > 4 ? std::max(1, std::atoi(argv[4])) : 5;
+  FrameSpec orbit = orbit_from(argv[2], scene.values.histogram);
+  if (argc > 4 && std::string(argv[4]) == "slices") orbit.as<Splats>().image_plane = ImagePlane::slices;
+  const int repetitions = argc > 3 ? std::max(1, std::atoi(argv[3])) : 5;
   EmptySpace empty_space;
   std::vector<View> all;
   for (int view = 0; view < views; ++view) {

@@ -31,13 +31,12 @@ T at(const Bytes& bytes, std::size_t offset) {
 /// A slice of 70 × 20 voxels as sent to one of two Renderers, and that Renderer.
 class Sent {
  public:
-  explicit Sent(PayloadForm form) : threads_(1) {
+  Sent() : threads_(1) {
     const Grid grid = make_grid({70, 20, 5});
     spec_.shown.camera = {.azimuth = 10, .elevation = 75};
     spec_.shown.width = spec_.shown.height = 96;
     spec_.division.region_size = 16;
     spec_.division.dealt_to = 2;
-    spec_.as<Splats>().payload = form;
     spec_.shown.transfer_function = constant_opacity(0.4);
     frame_ = std::make_shared<SplatFrame>(spec_, make_geometry(spec_, grid), 1, 2);
     REQUIRE(geometry().traversal.axis == Axis::z);
@@ -101,17 +100,6 @@ std::set<std::size_t> run_groups(const Bytes& body) {
   return begins;
 }
 
-std::set<std::size_t> word_groups(const Bytes& body) {
-  std::set<std::size_t> begins;
-  std::size_t offset = 0;
-  while (offset < body.size()) {
-    begins.insert(offset);
-    offset += sizeof(SplatGroup) + at<SplatGroup>(body, offset).count * sizeof(Splat);
-  }
-  begins.insert(offset);
-  return begins;
-}
-
 /// Lengths at which a cut payload is accepted.
 std::set<std::size_t> accepted_lengths(Sent& sent) {
   std::set<std::size_t> lengths;
@@ -130,7 +118,7 @@ Bytes twice(const Bytes& body) {
 }  // namespace
 
 TEST_CASE("runs that do not lie in the slice or are not as many as they say are refused") {
-  Sent sent(PayloadForm::runs);
+  Sent sent;
   REQUIRE(sent.accepts(sent.body));
   const auto groups = run_groups(sent.body);
   REQUIRE(groups.size() > 3);
@@ -168,18 +156,6 @@ TEST_CASE("runs that do not lie in the slice or are not as many as they say are 
   // The same number of voxels, but one in column 70.
   const auto mask = at<VoxelRun>(sent.body, last).mask;
   CHECK_FALSE(sent.accepts_with(last + offsetof(VoxelRun, mask), (mask & (mask - 1)) | 1U << 6));
-}
-
-TEST_CASE("words that are not as many as they say or for another Renderer are refused") {
-  Sent sent(PayloadForm::words);
-  REQUIRE(sent.accepts(sent.body));
-  const auto groups = word_groups(sent.body);
-  REQUIRE(groups.size() > 3);
-  CHECK(accepted_lengths(sent) == groups);
-  CHECK_FALSE(sent.accepts(twice(sent.body)));
-  for (const std::int32_t region : {-1, sent.regions(), sent.foreign_region()})
-    CHECK_FALSE(sent.accepts_with(offsetof(SplatGroup, region), region));
-  CHECK_FALSE(sent.accepts_with(offsetof(SplatGroup, count), ~0U));
 }
 
 TEST_CASE("news of opaque tiles arrive as they were sent, and cut ones or of no region are refused") {

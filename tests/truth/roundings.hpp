@@ -85,12 +85,12 @@ inline double composite_error(int slices, double opacity) {
   RegionPainter painter(0, 0, 1, 1);
   painter.begin_frame(footprint);
   // At its centre a kernel's weight is exactly `weight`.
-  const Splat splat =
-      make_splat(footprint, 0, 0, 0.5F, 0.25F, 1.0F, static_cast<float>(opacity / footprint.weight));
+  const Splat splat = make_splat(footprint, {0, 0, 0, 0},
+                                 {32768, 16384, 65535, static_cast<float>(opacity / footprint.weight)});
   double colour = 0, transmittance = 1;
   const double a = double(splat.opacity), c = a * double(splat.red) / 65535;
   for (int k = 0; k < slices; ++k) {
-    painter.draw(0, 0, std::as_bytes(std::span(&splat, 1)));
+    painter.draw({&splat, 1});
     painter.composite();
     colour += transmittance * c;
     transmittance *= 1 - a;

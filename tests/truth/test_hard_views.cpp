@@ -154,10 +154,9 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
         dda.begin_row(slice, v);
         for (int u = 0; u < volume.grid.dims[plane.u]; ++u) {
           const auto position = dda.position(std::uint32_t(u));
-          const Anchored a = anchor(position.x, position.y);
-          const auto base_x = std::int32_t(a.anchor_x), base_y = std::int32_t(a.anchor_y);
-          const Splat splat = make_splat(footprint, a.dx, a.dy, 0.7F, 0.5F, 0.3F, 0.02F);
-          painter.draw(base_x, base_y, std::as_bytes(std::span(&splat, 1)));
+          const Splat splat =
+              make_splat(footprint, anchor(position.x, position.y), {45875, 32768, 19661, 0.02F});
+          painter.draw({&splat, 1});
         }
       }
       painter.composite();

@@ -22,10 +22,6 @@ enum class Shading { none, phong };
 enum class Interpolation { linear, nearest };
 const char* name(Interpolation interpolation);
 
-/// How splats travel from GPs to Renderers: the paper's six words each, or runs of voxels whose positions
-/// follow from the view. Both draw the same bits.
-enum class PayloadForm { words, runs };
-
 /// Where Renderers' regions lie: on the screen, as in the paper; or in the plane of the traversed slices,
 /// sheared along the rays; the frame buffer then warps that image once into the picture (Lacroute and Levoy
 /// 1994).
@@ -92,7 +88,6 @@ struct Splats {
   ImagePlane image_plane = ImagePlane::screen;
   int plane_samples = 1;       ///< in the slices' plane: most pixels a voxel along either axis
   double kernel_radius = 1.6;  ///< in lattice distances
-  PayloadForm payload = PayloadForm::runs;
   bool operator==(const Splats&) const = default;
 };
 
