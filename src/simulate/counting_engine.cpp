@@ -248,8 +248,6 @@ std::shared_ptr<const SplatFrame> make_weighed_frame(const FrameSpec& spec, cons
                                                      SliceDealing dealing, int renderers, double voxel_weight,
                                                      RegionDealer* dealer) {
   FrameGeometry geometry = make_geometry(spec, grid);
-  if (!(voxel_weight > 1))
-    return std::make_shared<SplatFrame>(spec, std::move(geometry), dealing, renderers, dealer);
   geometry.reach = narrowed(geometry.reach, voxel_weight);
   lay_regions(geometry, spec);
   auto frame = std::make_shared<SplatFrame>(spec, std::move(geometry), dealing, renderers, dealer);

@@ -68,41 +68,6 @@ class SampleCounter {
   VisibleTiles before_, behind_;  ///< of the slab before the first slice, and of that behind this one
 };
 
-class SheetMeter {
- public:
-  explicit SheetMeter(std::shared_ptr<const SheetFrame> frame)
-      : frame_(std::move(frame)), samples_(*frame_) {}
-
-  std::vector<PaintWork> operator()(int step, const std::vector<EncodedPart>& parts) {
-    std::vector<PaintWork> work(parts.size());
-    samples_.begin(step);
-    for (std::size_t r = 0; r < parts.size(); ++r)
-      if (!parts[r].payload.empty())
-        work[r] = look_at(std::span<const std::byte>(parts[r].payload).subspan(sizeof(Header)));
-    const auto samples = samples_.samples(parts.size());
-    for (std::size_t r = 0; r < parts.size(); ++r) work[r].samples = samples[r];
-    return work;
-  }
-
- private:
-  /// The blocks that the payload has a byte for.
-  PaintWork look_at(std::span<const std::byte> body) {
-    const Grid& grid = frame_->geometry.grid;
-    const Axis axis = frame_->geometry.traversal.axis;
-    const SheetPayload payload =
-        read_sheet_payload(body, grid.slice_width(axis), grid.slice_height(axis), grid.type);
-    PaintWork work;
-    payload.for_each_block([&](int column, int row, std::uint8_t byte) {
-      ++work.blocks;
-      if ((byte & cells_visible) != 0) samples_.add(column, row);
-    });
-    return work;
-  }
-
-  std::shared_ptr<const SheetFrame> frame_;
-  SampleCounter samples_;
-};
-
 /// Counts what a SheetEncoder would send of slices that have `finer` times as many voxels along each side.
 /// What is between this slice's voxels is linear, and the slices beside it are alike.
 class WeighedEncoder final : public FrameEncoder<SheetFrame> {
@@ -260,7 +225,26 @@ class WeighedEncoder final : public FrameEncoder<SheetFrame> {
 
 }  // namespace
 
-Meter make_sheet_meter(std::shared_ptr<const SheetFrame> frame) { return SheetMeter(std::move(frame)); }
+Meter make_sheet_meter(std::shared_ptr<const SheetFrame> frame) {
+  return [frame, counter = SampleCounter(*frame)](int step, const std::vector<EncodedPart>& parts) mutable {
+    const Grid& grid = frame->geometry.grid;
+    const Axis axis = frame->geometry.traversal.axis;
+    std::vector<PaintWork> work(parts.size());
+    counter.begin(step);
+    for (std::size_t r = 0; r < parts.size(); ++r) {
+      if (parts[r].payload.empty()) continue;
+      const auto body = std::span<const std::byte>(parts[r].payload).subspan(sizeof(Header));
+      read_sheet_payload(body, grid.slice_width(axis), grid.slice_height(axis), grid.type)
+          .for_each_block([&](int column, int row, std::uint8_t byte) {
+            ++work[r].blocks;
+            if ((byte & cells_visible) != 0) counter.add(column, row);
+          });
+    }
+    const auto samples = counter.samples(parts.size());
+    for (std::size_t r = 0; r < parts.size(); ++r) work[r].samples = samples[r];
+    return work;
+  };
+}
 
 std::unique_ptr<Encoder> make_weighed_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
                                               const SliceStore& store, double voxel_weight) {
