@@ -10,6 +10,13 @@
 namespace ringsplat {
 namespace {
 
+/// Begins the lines of a z slice in slices of another axis.
+struct Lines {
+  int z, gp;
+  Axis axis;
+  std::uint64_t bytes;
+};
+
 /// One deal, in rounds.
 struct Dealer {
   const Grid& grid;
@@ -58,11 +65,8 @@ struct Dealer {
     });
     for (const Block& block : sharing.collectives.all_to_all(std::move(out)))
       for (std::size_t at = 0; at < block.size();) {
-        const int z = next_value<int>(block, at);
-        const Axis axis = next_value<Axis>(block, at);
-        SliceStore& store = stores.at(next_value<int>(block, at));
-        const auto size = next_value<std::uint64_t>(block, at);
-        store.unpack_columns(axis, z, next_bytes(block, at, size));
+        const auto head = next_value<Lines>(block, at);
+        stores.at(head.gp).unpack_columns(head.axis, head.z, next_bytes(block, at, head.bytes));
       }
   }
 
@@ -90,10 +94,7 @@ struct Dealer {
         std::vector<std::byte> lines;
         pack_columns(grid, axis, gp, sharing.dealing, values, normals, lines);
         Block& block = out[std::size_t(sharing.process_of_gp[std::size_t(gp)])];
-        append(block, z);
-        append(block, axis);
-        append(block, gp);
-        append(block, std::uint64_t(lines.size()));
+        append(block, Lines{z, gp, axis, lines.size()});
         block.insert(block.end(), lines.begin(), lines.end());
       }
     }

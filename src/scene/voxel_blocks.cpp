@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cstring>
+#include <utility>
 
+#include "base/text.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
@@ -28,14 +30,10 @@ bool covers(const VoxelBox& outer, const VoxelBox& inner) {
          glm::all(glm::greaterThanEqual(outer.end, inner.end));
 }
 
-struct Cut {
-  int axis = -1, at = 0;
-};
-
 /// A face of a block within the box, near the middle of all such faces of the axis that has most; there is
-/// one unless every block covers the box.
-Cut cut_of(const VoxelBox& box, const Blocks& blocks) {
-  Cut cut;
+/// one unless every block covers the box. Returns the axis and the face's place.
+std::pair<int, int> cut_of(const VoxelBox& box, const Blocks& blocks) {
+  std::pair<int, int> cut;
   std::size_t most = 0;
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<int> faces;
@@ -158,11 +156,14 @@ struct BlockDealer {
   }
 
   Block packed(const Parcel& parcel) const {
-    std::size_t bytes = 0;
-    for (const Rows& rows : parcel) bytes += bytes_of(rows);
-    Block out(bytes);
-    std::byte* to = out.data();
-    for (const Rows& rows : parcel) to = pack(rows, to);
+    Block out;
+    for (const Rows& rows : parcel) {
+      const VoxelBox& extent = blocks[std::size_t(rows.block)].extent;
+      append(out, RowsHeader{rows.z, rows.y, rows.y_end, extent.first.x, extent.end.x});
+      const std::size_t at = out.size();
+      out.resize(at + bytes_of(rows) - sizeof(RowsHeader));
+      copy(rows, out.data() + at, std::size_t(extent.dims().x) * scalar);
+    }
     return out;
   }
 
@@ -172,14 +173,6 @@ struct BlockDealer {
     for (int y = rows.y; y < rows.y_end; ++y, to += row)
       copy_row(scalar, first + (rows.z - extent.first.z) * strides.z + (y - extent.first.y) * strides.y,
                strides.x, extent.dims().x, to);
-  }
-
-  std::byte* pack(const Rows& rows, std::byte* to) const {
-    const VoxelBox& extent = blocks[std::size_t(rows.block)].extent;
-    const RowsHeader header{rows.z, rows.y, rows.y_end, extent.first.x, extent.end.x};
-    std::memcpy(to, &header, sizeof header);
-    copy(rows, to + sizeof header, std::size_t(extent.dims().x) * scalar);
-    return to + bytes_of(rows);
   }
 
   std::size_t slice_row() const { return std::size_t(grid.dims.x) * scalar; }
@@ -205,8 +198,7 @@ struct BlockDealer {
 
 void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collectives& collectives) {
   agree(collectives, why_wrong(grid, mine));
-  std::vector<VoxelBox> extents;
-  for (const VoxelBlock& block : mine) extents.push_back(block.extent);
+  const auto extents = detail::mapped(mine, &VoxelBlock::extent);
   std::vector<PlacedBlock> all;
   int process = 0;
   for (const Block& one : collectives.all_gather(to_bytes(extents))) {
@@ -232,9 +224,9 @@ void check_cover(const VoxelBox& box, const Blocks& blocks) {
     throw InputError(fmt::format("{} and {} overlap", text_of(*first), text_of(other)),
                      "every voxel belongs to one block; leave out ghosts");
   }
-  const Cut cut = cut_of(box, blocks);
+  const auto [axis, at] = cut_of(box, blocks);
   VoxelBox low = box, high = box;
-  low.end[cut.axis] = high.first[cut.axis] = cut.at;
+  low.end[axis] = high.first[axis] = at;
   for (const VoxelBox& part : {low, high}) {
     Blocks meeting;
     std::copy_if(blocks.begin(), blocks.end(), std::back_inserter(meeting),
