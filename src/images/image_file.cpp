@@ -12,7 +12,6 @@
 
 #include "base/input_file.hpp"
 #include "base/lack_of_memory.hpp"
-#include "base/output_file.hpp"
 #include "base/process.hpp"
 #include "base/text.hpp"
 #include "images/image_library.hpp"
@@ -123,12 +122,6 @@ Bytes image_file_bytes(const std::string& path, const ImageData& image) {
   bytes.resize(written.size());
   written.read(0, bytes);
   return bytes;
-}
-
-void write_image_file(const std::filesystem::path& path, const ImageData& image) {
-  OutputFile file(path);
-  file.write(image_file_bytes(path.string(), image));
-  file.commit();
 }
 
 }  // namespace ringsplat

@@ -61,10 +61,8 @@ struct ImageData {
   std::vector<Attribute> attributes;  ///< with OpenImageIO's names
 };
 
-/// The path's ending names the format. The file appears when all of it is on the disk (OutputFile); until
-/// then, and on failure, the old one stays. Throws RunError naming the file and the reason.
-void write_image_file(const std::filesystem::path& path, const ImageData& image);
-/// The bytes of such a file; `path` names the format. Throws RunError with the reason.
+/// The bytes of an image file; the path's ending names the format. Throws RunError naming the file and the
+/// reason.
 Bytes image_file_bytes(const std::string& path, const ImageData& image);
 
 }  // namespace ringsplat

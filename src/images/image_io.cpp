@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/output_file.hpp"
 #include "base/srgb.hpp"
 #include "base/text.hpp"
 #include "images/image_file.hpp"
@@ -164,7 +165,10 @@ void check_image_name(const fs::path& file, const std::string& option, bool tran
 void write_image(const Image& image, const fs::path& file, const std::optional<glm::dvec3>& background,
                  const std::string& settings, const Overlay& overlay) {
   check_image_name(file, "the picture", !background);
-  write_image_file(file, FilePixels(image, *format_of(file), background, settings, overlay).data);
+  OutputFile out(file);
+  out.write(image_file_bytes(file.string(),
+                             FilePixels(image, *format_of(file), background, settings, overlay).data));
+  out.commit();
 }
 
 void write_image(const Image& image, const fs::path& file, const std::optional<glm::dvec3>& background) {

@@ -42,7 +42,6 @@ void BlockSession::draw(const std::vector<std::string>& words, const std::string
   const auto pictures = render(words, {}, {});
   agree_after(collectives_, [&] {
     for (const Picture& p : pictures) {
-      check_image_name(file, "the picture's file", !p.background);
       try {
         write_image(p.image, file, p.background, p.settings, p.overlay);
       } catch (const RunError& e) {

@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "base/output_file.hpp"
 #include "base/srgb.hpp"
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
@@ -41,6 +42,12 @@ const std::vector<ImageData::Attribute> described{{"ImageDescription", "some tex
                                                   {"oiio:ColorSpace", "sRGB"},
                                                   {"oiio:UnassociatedAlpha", 1},
                                                   {"DateTime", ""}};
+
+void write_image_file(const std::filesystem::path& path, const ImageData& image) {
+  OutputFile file(path);
+  file.write(image_file_bytes(path.string(), image));
+  file.commit();
+}
 
 std::string bytes_of(const std::string& file) {
   std::ifstream in(file, std::ios::binary);

@@ -199,7 +199,6 @@ void bind_pictures(nb::module_& m) {
            })
       .def("save", [](const Picture& p, const std::string& file) {
         const nb::gil_scoped_release without;
-        check_image_name(file, "the picture's file", !p.background);
         write_image(p.image, file, p.background, p.settings, p.overlay);
       });
 }
