@@ -62,8 +62,6 @@ void remove_abandoned_once(const fs::path& folder) {
   }
 }
 
-constexpr std::size_t buffer_bytes = std::size_t{1} << 20;
-
 const char* hint_for(int reason) {
   if (reason == ENOSPC || reason == EDQUOT) return "make room on the disk, or choose another one";
   if (reason == EFBIG)
@@ -174,15 +172,7 @@ OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
 OutputFile::~OutputFile() = default;
 
 void OutputFile::write(std::span<const std::byte> bytes) {
-  if (buffer_.size() + bytes.size() > buffer_bytes) flush_buffer();
-  if (bytes.size() >= buffer_bytes)
-    put(bytes);
-  else
-    buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
   size_ += bytes.size();
-}
-
-void OutputFile::put(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file_->descriptor(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
@@ -193,7 +183,6 @@ void OutputFile::put(std::span<const std::byte> bytes) {
 
 void OutputFile::secure() {
   if (secured_) return;
-  flush_buffer();
   // Some disks report a lack of room, or a failure, only here. Others cannot flush at all.
   while (::fsync(file_->descriptor()) != 0)
     if (errno == EINVAL || errno == ENOTSUP)

@@ -6,7 +6,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace ringsplat {
 
@@ -38,17 +37,11 @@ class OutputFile {
   void commit();
 
  private:
-  void flush_buffer() {
-    put(buffer_);
-    buffer_.clear();
-  }
-  void put(std::span<const std::byte> bytes);
   [[noreturn]] void fail(int reason) const;
 
   std::filesystem::path path_;
   std::unique_ptr<TemporaryFile> file_;
   std::uint64_t size_ = 0;
-  std::vector<std::byte> buffer_;  ///< not yet written
   bool secured_ = false;
 };
 

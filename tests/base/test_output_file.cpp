@@ -109,7 +109,7 @@ TEST_CASE("a file that is given up leaves nothing") {
   CHECK(text_of(folder / "a.txt") == "old");
 }
 
-TEST_CASE("pieces of any size follow each other, whatever is buffered") {
+TEST_CASE("pieces of any size follow each other") {
   const TemporaryFolder folder;
   constexpr std::size_t large = (std::size_t{3} << 20) + 5;
   std::string expected;
