@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "ringsplat/base/error.hpp"
 
@@ -15,36 +16,33 @@ using nlohmann::json;
 constexpr const char* second_names[] = {"computing",   "waiting_for_token", "sending", "drawing",
                                         "compositing", "delivering",        "idle"};
 
-struct Count {
-  const char* name;
-  std::uint64_t NodeStats::*part;
-};
-constexpr Count counts[] = {{"splats_sent", &NodeStats::splats_sent},
-                            {"splats_drawn", &NodeStats::splats_drawn},
-                            {"splats_clipped", &NodeStats::splats_clipped},
-                            {"splats_hidden", &NodeStats::splats_hidden},
-                            {"payloads_sent", &NodeStats::payloads_sent},
-                            {"payloads_drawn", &NodeStats::payloads_drawn},
-                            {"payload_bytes_sent", &NodeStats::payload_bytes_sent},
-                            {"payload_bytes_received", &NodeStats::payload_bytes_received},
-                            {"tokens_issued", &NodeStats::tokens_issued},
-                            {"tokens_retired", &NodeStats::tokens_retired},
-                            {"tokens_passed", &NodeStats::tokens_passed},
-                            {"tiles", &NodeStats::tiles},
-                            {"tile_bytes", &NodeStats::tile_bytes},
-                            {"slices", &NodeStats::slices},
-                            {"passes", &NodeStats::passes},
-                            {"blocks", &NodeStats::blocks},
-                            {"samples", &NodeStats::samples},
-                            {"visible_voxels", &NodeStats::visible_voxels},
-                            {"voxels_outside", &NodeStats::voxels_outside},
-                            {"slice_memory", &NodeStats::slice_memory}};
+constexpr std::pair<const char*, std::uint64_t NodeStats::*> counts[] = {
+    {"splats_sent", &NodeStats::splats_sent},
+    {"splats_drawn", &NodeStats::splats_drawn},
+    {"splats_clipped", &NodeStats::splats_clipped},
+    {"splats_hidden", &NodeStats::splats_hidden},
+    {"payloads_sent", &NodeStats::payloads_sent},
+    {"payloads_drawn", &NodeStats::payloads_drawn},
+    {"payload_bytes_sent", &NodeStats::payload_bytes_sent},
+    {"payload_bytes_received", &NodeStats::payload_bytes_received},
+    {"tokens_issued", &NodeStats::tokens_issued},
+    {"tokens_retired", &NodeStats::tokens_retired},
+    {"tokens_passed", &NodeStats::tokens_passed},
+    {"tiles", &NodeStats::tiles},
+    {"tile_bytes", &NodeStats::tile_bytes},
+    {"slices", &NodeStats::slices},
+    {"passes", &NodeStats::passes},
+    {"blocks", &NodeStats::blocks},
+    {"samples", &NodeStats::samples},
+    {"visible_voxels", &NodeStats::visible_voxels},
+    {"voxels_outside", &NodeStats::voxels_outside},
+    {"slice_memory", &NodeStats::slice_memory}};
 
 json to_json(const NodeStats& stats) {
   json j;
   for (std::size_t k = 0; k < std::size(node_seconds); ++k)
     j["seconds"][second_names[k]] = stats.*node_seconds[k];
-  for (const auto& count : counts) j[count.name] = stats.*count.part;
+  for (const auto& [name, part] : counts) j[name] = stats.*part;
   j["peak_memory"] = stats.peak_memory;
   return j;
 }
@@ -56,7 +54,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(LinkCounts, messages, bytes, payloads, payloa
 
 NodeStats& NodeStats::operator+=(const NodeStats& other) {
   for (const auto part : node_seconds) this->*part += other.*part;
-  for (const auto& count : counts) this->*count.part += other.*count.part;
+  for (const auto& [name, part] : counts) this->*part += other.*part;
   peak_memory = std::max(peak_memory, other.peak_memory);
   return *this;
 }

@@ -69,28 +69,26 @@ struct Row {
     for (const auto& line : lines) text.append(",\n").append(line.event);
   }
 
-  json event(const char* phase, const std::string& name, const char* category) const {
-    return {{"ph", phase}, {"name", name}, {"cat", category}, {"pid", process}, {"tid", thread}};
+  json event(const char* phase, const char* name, const char* category, Nanoseconds time, json args) const {
+    json e{{"ph", phase}, {"name", name}, {"cat", category}, {"pid", process}, {"tid", thread}};
+    e["ts"] = microseconds(time);
+    e["args"] = std::move(args);
+    return e;
   }
 
   void add(const json& e) { lines.push_back({e["ts"], e.value("dur", 0.0), e.dump()}); }
   Nanoseconds at(double time) const { return std::llround((time - start) * 1e9); }
 
   void write_complete(const char* what, const char* category, Nanoseconds begin, Nanoseconds end, json args) {
-    json e = event("X", what, category);
-    e["ts"] = microseconds(begin);
+    json e = event("X", what, category, begin, std::move(args));
     e["dur"] = microseconds(end - begin);
-    e["args"] = std::move(args);
     add(e);
     edges.push_back(begin);
     edges.push_back(end);
   }
 
   void write(const Span& span) {
-    if (span.activity == Activity::frame) {
-      write_frame(span);
-      return;
-    }
+    if (span.activity == Activity::frame) return write_frame(span);
     json args{{"frame", span.frame}, {"busy_us", microseconds(span.busy)}};
     if (span.step >= 0) args["step"] = span.step;
     write_complete(span_names[std::size_t(span.activity)], "node", at(span.begin), at(span.end), args);
@@ -99,10 +97,9 @@ struct Row {
   /// Frames in flight overlap, so they are asynchronous events beside the rows.
   void write_frame(const Span& span) {
     for (const bool ends : {false, true}) {
-      json e = event(ends ? "e" : "b", "frame", "frame");
+      json e = event(ends ? "e" : "b", "frame", "frame", at(ends ? span.end : span.begin),
+                     {{"frame", span.frame}});
       e["id"] = span.frame;
-      e["ts"] = microseconds(at(ends ? span.end : span.begin));
-      e["args"] = {{"frame", span.frame}};
       add(e);
     }
   }
@@ -130,10 +127,8 @@ struct Row {
                       const std::map<FlowKey, std::int64_t>& flows) {
     const auto number = flows.find(flow_key(mark));
     if (number == flows.end()) return;
-    json e = event(leaves(mark.moment) ? "s" : "f", category, category);
+    json e = event(leaves(mark.moment) ? "s" : "f", category, category, time, args);
     e["id"] = number->second;
-    e["ts"] = microseconds(time);
-    e["args"] = args;
     if (!leaves(mark.moment)) e["bp"] = "e";
     add(e);
   }
