@@ -2,6 +2,7 @@
 #include <bit>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 

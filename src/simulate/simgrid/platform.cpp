@@ -186,11 +186,6 @@ s4u::NetZone* fat_tree(const Job& job) {
                                   job.machine.platform.latency, s4u::Link::SharingPolicy::SPLITDUPLEX);
 }
 
-s4u::NetZone* make_zone(const Job& job) {
-  constexpr std::array makers{backbone, mesh, torus, fat_tree};  // in PlatformKind's order
-  return makers[std::size_t(job.machine.platform.kind)](job);
-}
-
 /// Copies a message to its receiver: of a payload that only counts no more than its first bytes, while its
 /// true size is charged. Otherwise a large volume's frame moves hundreds of gigabytes through this machine's
 /// memory.
@@ -212,8 +207,8 @@ void load_platform(const simgrid::s4u::Engine&) {
   using namespace ringsplat::simgrid_platform;
   try {
     const Job job = read_job();
-    auto* const zone = make_zone(job);
-    zone->seal();
+    constexpr std::array makers{backbone, mesh, torus, fat_tree};  // in PlatformKind's order
+    makers[std::size_t(job.machine.platform.kind)](job)->seal();
     smpi_comm_set_copy_data_callback(copy_what_counts);
   } catch (const ringsplat::Error& e) {
     std::fprintf(stderr, "ringsplat: error: %s\n", e.what());
