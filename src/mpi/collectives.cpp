@@ -213,8 +213,8 @@ class MpiCollectives final : public Collectives {
   int processes() const override { return comm_.ranks(); }
 
   std::vector<Block> all_to_all(std::vector<Block> out) override {
-    const auto peers = static_cast<std::size_t>(processes());
-    const auto self = static_cast<std::size_t>(process());
+    const auto peers = std::size_t(processes());
+    const auto self = std::size_t(process());
     Block own = std::exchange(out[self], {});
     std::vector<std::uint64_t> out_sizes(peers), in_sizes(peers);
     for (std::size_t p = 0; p < peers; ++p) out_sizes[p] = out[p].size();
@@ -229,20 +229,18 @@ class MpiCollectives final : public Collectives {
     for (std::size_t p = 0; p < peers; ++p) {
       in[p].resize(in_sizes[p]);
       in_parts(in[p], [&](std::byte* part, int count) {
-        checked(MPI_Irecv(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(),
-                          &requests.emplace_back()),
+        checked(MPI_Irecv(part, count, MPI_BYTE, int(p), block_tag, comm_.get(), &requests.emplace_back()),
                 "MPI_Irecv");
       });
     }
     for (std::size_t p = 0; p < peers; ++p)
       in_parts(out[p], [&](std::byte* part, int count) {
-        checked(MPI_Isend(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(),
-                          &requests.emplace_back()),
+        checked(MPI_Isend(part, count, MPI_BYTE, int(p), block_tag, comm_.get(), &requests.emplace_back()),
                 "MPI_Isend");
       });
     in[self] = std::move(own);
     if (!watch_) {
-      checked(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+      checked(MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
               "MPI_Waitall (volume exchange)");
     } else {
       calls.unlock();
@@ -252,7 +250,7 @@ class MpiCollectives final : public Collectives {
   }
 
   std::vector<Block> all_gather(const Block& mine) override {
-    const auto peers = static_cast<std::size_t>(processes());
+    const auto peers = std::size_t(processes());
     const std::uint64_t my_size = mine.size();
     std::vector<std::uint64_t> sizes(peers);
     call("MPI_Allgather", MPI_Allgather, MPI_Iallgather, &my_size, 1, MPI_UINT64_T, sizes.data(), 1,
@@ -262,8 +260,7 @@ class MpiCollectives final : public Collectives {
     if (sum > 0 && sum <= largest_part_) return all_gather_at_once(mine, sizes, sum);
     std::vector<Block> all(peers);
     for (std::size_t p = 0; p < peers; ++p)
-      if (sizes[p] > 0)
-        all[p] = broadcast(p == static_cast<std::size_t>(process()) ? mine : Block{}, static_cast<int>(p));
+      if (sizes[p] > 0) all[p] = broadcast(p == std::size_t(process()) ? mine : Block{}, int(p));
     return all;
   }
 
@@ -278,8 +275,8 @@ class MpiCollectives final : public Collectives {
   }
 
   void sum(std::span<std::uint64_t> values) override {
-    call("MPI_Allreduce", MPI_Allreduce, MPI_Iallreduce, MPI_IN_PLACE, values.data(),
-         static_cast<int>(values.size()), MPI_UINT64_T, MPI_SUM);
+    call("MPI_Allreduce", MPI_Allreduce, MPI_Iallreduce, MPI_IN_PLACE, values.data(), int(values.size()),
+         MPI_UINT64_T, MPI_SUM);
   }
 
   std::vector<int> absent(double seconds) override {
@@ -327,8 +324,8 @@ class MpiCollectives final : public Collectives {
     std::vector<int> counts(sizes.begin(), sizes.end()), offsets(sizes.size());
     std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
     Block joined(sum);
-    call("MPI_Allgatherv", MPI_Allgatherv, MPI_Iallgatherv, mine.data(), static_cast<int>(mine.size()),
-         MPI_BYTE, joined.data(), counts.data(), offsets.data(), MPI_BYTE);
+    call("MPI_Allgatherv", MPI_Allgatherv, MPI_Iallgatherv, mine.data(), int(mine.size()), MPI_BYTE,
+         joined.data(), counts.data(), offsets.data(), MPI_BYTE);
     std::vector<Block> all;
     for (std::size_t p = 0; p < sizes.size(); ++p) {
       const auto first = joined.begin() + offsets[p];
@@ -340,7 +337,7 @@ class MpiCollectives final : public Collectives {
   template <class F>
   void in_parts(Block& block, F&& f) const {
     for (std::size_t at = 0; at < block.size(); at += largest_part_)
-      f(block.data() + at, static_cast<int>(std::min(largest_part_, block.size() - at)));
+      f(block.data() + at, int(std::min(largest_part_, block.size() - at)));
   }
 
   OwnedComm comm_;

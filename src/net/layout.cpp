@@ -72,9 +72,7 @@ void check(const Layout& layout) {
 
 void check(const Header& header, const Layout& layout) {
   const int nodes[] = {layout.gps, layout.renderers, 1, layout.ranks()};  // by role
-  const auto exists = [&](NodeId node) {
-    return node.index >= 0 && node.index < nodes[static_cast<int>(node.role)];
-  };
+  const auto exists = [&](NodeId node) { return node.index >= 0 && node.index < nodes[int(node.role)]; };
   if (!exists(header.from()) || !exists(header.to()))
     throw RunError(fmt::format("a {} from {} to {} names a node this run does not have", name(header.kind),
                                to_string(header.from()), to_string(header.to())));
@@ -89,7 +87,7 @@ std::vector<int> announcement_children(int rank, int ranks) {
   std::vector<int> children;
   // Rank r's children are r + 2^k for every 2^k above r's own highest bit.
   for (long long bit = 1; rank + bit < ranks; bit *= 2)
-    if (bit > rank) children.push_back(static_cast<int>(rank + bit));
+    if (bit > rank) children.push_back(int(rank + bit));
   return children;
 }
 

@@ -10,8 +10,7 @@ namespace {
 /// The weights of the pixels in a kernel's window, row by row, for a voxel that lies so far from its anchor.
 std::vector<float> window_weights(const Footprint& footprint, KernelReach reach, double dx, double dy) {
   const auto exact = coefficients(footprint, dx, dy);
-  const auto a = static_cast<float>(exact.a), b = static_cast<float>(exact.b),
-             c = static_cast<float>(exact.c);
+  const auto a = float(exact.a), b = float(exact.b), c = float(exact.c);
   std::vector<float> weights;
   for (int y = -int(reach.y); y <= reach.y + 1; ++y)
     for (int x = -int(reach.x); x <= reach.x + 1; ++x) {
@@ -67,7 +66,7 @@ std::optional<AlignedFrame> AlignedFrame::of(const Footprint& footprint, const V
 
 AlignedSlice AlignedFrame::slice(int index) const {
   glm::dvec3 first(0.0);
-  first[static_cast<int>(axis)] = index;
+  first[int(axis)] = index;
   const glm::dvec3 position = view.project(first);
   const Anchored at = anchor(position.x, position.y);
   const KernelReach reach = kernel_reach(footprint);

@@ -53,17 +53,17 @@ class StencilPainter {
   HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) const {
     const int left = stencil_.reach_x, top = stencil_.reach_y;
     if (x < -left - 1 || x >= slice_.width + left || y < -top - 1 || y >= slice_.height + top) return false;
-    anchors_[y + top + 1].include(static_cast<int>(x), static_cast<int>(x) + 1);
-    return add(splat, static_cast<int>(x), static_cast<int>(y));
+    anchors_[y + top + 1].include(int(x), int(x) + 1);
+    return add(splat, int(x), int(y));
   }
 
  private:
   HWY_INLINE bool add(const Splat& splat, int x, int y) const {
     const Floats d;
     const auto a = hn::Set(d, splat.a), b = hn::Set(d, splat.b), c = hn::Set(d, splat.c);
-    const auto left = hn::Set(d, static_cast<float>(-x)), top = hn::Set(d, static_cast<float>(-y)),
-               right = hn::Set(d, static_cast<float>(slice_.width - 1 - x)),
-               bottom = hn::Set(d, static_cast<float>(slice_.height - 1 - y));
+    const auto left = hn::Set(d, float(-x)), top = hn::Set(d, float(-y)),
+               right = hn::Set(d, float(slice_.width - 1 - x)),
+               bottom = hn::Set(d, float(slice_.height - 1 - y));
     const Colour colour = load_colour(splat);
     float* anchor = slice_.origin + y * slice_.row_floats + x * std::ptrdiff_t{4};
     auto largest = hn::Zero(d);
@@ -120,12 +120,12 @@ class RowPainter {
     const Colour colour = load_colour(splat);
     bool reached = false;
     for (std::int64_t dy = rows.first; dy < rows.end; ++dy) {
-      const OffsetRun extent = positive(splat, static_cast<double>(dy)).within(columns);
+      const OffsetRun extent = positive(splat, double(dy)).within(columns);
       if (extent.empty()) continue;
-      const auto row = static_cast<std::ptrdiff_t>(y + dy);
-      const auto first = static_cast<std::int32_t>(x + extent.first);
-      written_[row].include(first, static_cast<std::int32_t>(x + extent.end));
-      reached |= add(splat, static_cast<double>(dy), extent, colour,
+      const auto row = std::ptrdiff_t(y + dy);
+      const auto first = std::int32_t(x + extent.first);
+      written_[row].include(first, std::int32_t(x + extent.end));
+      reached |= add(splat, double(dy), extent, colour,
                      slice_.origin + row * slice_.row_floats + first * std::ptrdiff_t{4});
     }
     return reached;
@@ -135,15 +135,14 @@ class RowPainter {
   /// The pixels where the quadratic of the splat's row is positive. There is no NaN: coefficients are finite
   /// and D < 0.
   OffsetRun positive(const Splat& splat, double dy) const {
-    const double b = static_cast<double>(splat.a) + footprint_.e * dy;
-    const double c =
-        static_cast<double>(splat.c) + static_cast<double>(splat.b) * dy + footprint_.f * dy * dy;
+    const double b = double(splat.a) + footprint_.e * dy;
+    const double c = double(splat.c) + double(splat.b) * dy + footprint_.f * dy * dy;
     const double discriminant = b * b - 4 * footprint_.d * c;
     if (!(discriminant > 0)) return {0, 0};
     const double root = std::sqrt(discriminant), scale = -2 * footprint_.d;
-    const auto before = -static_cast<double>(reach_.x) - 1, after = static_cast<double>(reach_.x) + 2;
-    return {static_cast<std::int64_t>(std::ceil(std::clamp((b - root) / scale, before, after))),
-            static_cast<std::int64_t>(std::floor(std::clamp((b + root) / scale, before, after))) + 1};
+    const auto before = -double(reach_.x) - 1, after = double(reach_.x) + 2;
+    return {std::int64_t(std::ceil(std::clamp((b - root) / scale, before, after))),
+            std::int64_t(std::floor(std::clamp((b + root) / scale, before, after))) + 1};
   }
 
   /// Adds to a row of the splat's. Returns whether any of the weights is positive. `pixels`: the extent's
@@ -152,18 +151,17 @@ class RowPainter {
                       float* pixels) const {
     const Floats d;
     const hn::Rebind<std::int32_t, Floats> d32;
-    const auto set = [&](double value) { return hn::Set(d, static_cast<float>(value)); };
+    const auto set = [&](double value) { return hn::Set(d, float(value)); };
     const auto& p = footprint_.p;
-    const auto a = hn::Set(d, splat.a),
-               linear = hn::Set(d, std::fma(splat.b, static_cast<float>(dy), splat.c));
+    const auto a = hn::Set(d, splat.a), linear = hn::Set(d, std::fma(splat.b, float(dy), splat.c));
     const auto u_dx = set(p[0][0]), v_dx = set(p[0][1]), u0 = set(p[1][0] * dy), v0 = set(p[1][1] * dy);
     auto largest = hn::Zero(d);
     for (std::int64_t at = extent.first; at < extent.end; at += lanes, pixels += 4 * lanes) {
-      const auto dx = hn::ConvertTo(d, hn::Iota(d32, static_cast<std::int32_t>(at)));
+      const auto dx = hn::ConvertTo(d, hn::Iota(d32, std::int32_t(at)));
       const auto u = fused(u_dx, dx, u0), v = fused(v_dx, dx, v0);
       const auto k = hn::Neg(fused(u, u, hn::Mul(v, v)));
       const auto w = hn::Max(hn::Add(fused(a, dx, k), linear), hn::Zero(d));
-      const auto inside = hn::FirstN(d, std::min(static_cast<std::size_t>(extent.end - at), lanes));
+      const auto inside = hn::FirstN(d, std::min(std::size_t(extent.end - at), lanes));
       const auto weights = hn::IfThenElseZero(inside, hn::Mul(w, w));
       largest = hn::Max(largest, weights);
       add_to(pixels, spread_.get<0>(weights), colour);

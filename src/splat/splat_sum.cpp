@@ -28,9 +28,7 @@ double largest_q(const Footprint& footprint, double x, double y) {
 
 }  // namespace
 
-float quadratic_part(const Footprint& footprint, int x, int y) {
-  return static_cast<float>(form(footprint, x, y));
-}
+float quadratic_part(const Footprint& footprint, int x, int y) { return float(form(footprint, x, y)); }
 
 bool has_stencil(const Footprint& footprint) {
   const auto reach = kernel_reach(footprint);
@@ -40,8 +38,8 @@ bool has_stencil(const Footprint& footprint) {
 Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats) {
   const auto reach = kernel_reach(footprint);
   Stencil stencil;
-  stencil.reach_x = static_cast<int>(reach.x);
-  stencil.reach_y = static_cast<int>(reach.y);
+  stencil.reach_x = int(reach.x);
+  stencil.reach_y = int(reach.y);
 
   constexpr double rounding = 1e-4;
   std::vector<glm::ivec2> blocks;  // the first pixels of those that can be drawn
@@ -62,10 +60,10 @@ Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats) {
     for (int i = 0; i < block_pixels; ++i) {
       const int x = blocks[b].x + i, y = blocks[b].y;
       const bool inside = b < real && x <= stencil.reach_x + 1;
-      const std::size_t at = b * block_pixels + static_cast<std::size_t>(i);
+      const std::size_t at = b * block_pixels + std::size_t(i);
       stencil.k[at] = inside ? quadratic_part(footprint, x, y) : never;
-      stencil.dx[at] = static_cast<float>(x);
-      stencil.dy[at] = static_cast<float>(y);
+      stencil.dx[at] = float(x);
+      stencil.dy[at] = float(y);
     }
   }
   return stencil;

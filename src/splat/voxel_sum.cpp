@@ -39,11 +39,10 @@ std::uint64_t count_drawn(const AlignedSlice& slice, const SliceBuffer& buffer, 
 /// What the voxel adds with weight 1; nothing where no footprint gives its opacity.
 glm::vec4 premultiplied(const PackedVoxel& voxel, double weight) {
   const VoxelColour straight = unpack(voxel);
-  const auto weighted = static_cast<float>(static_cast<double>(straight.opacity) * weight);
+  const auto weighted = float(double(straight.opacity) * weight);
   const float opacity = std::abs(weighted) < largest_coefficient ? weighted : 0.0F;
   const float scale = opacity * (1.0F / 65535.0F);
-  return {static_cast<float>(straight.red) * scale, static_cast<float>(straight.green) * scale,
-          static_cast<float>(straight.blue) * scale, opacity};
+  return {float(straight.red) * scale, float(straight.green) * scale, float(straight.blue) * scale, opacity};
 }
 
 /// Places the voxels of a block's mask. (x, y): the place of the mask's bit 0, inside the buffer or not.
