@@ -1,13 +1,7 @@
 #include "app/render_job.hpp"
 
-#include <filesystem>
-#include <limits>
-#include <set>
-#include <utility>
-
 #include "app/views.hpp"
 #include "base/log.hpp"
-#include "base/printable.hpp"
 #include "images/image_file.hpp"
 #include "images/image_io.hpp"
 #include "net/launcher.hpp"

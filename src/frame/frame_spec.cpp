@@ -5,7 +5,6 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
-#include <span>
 #include <type_traits>
 #include <utility>
 

@@ -1,16 +1,8 @@
 #include "options/option_values.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstdint>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numeric>
-#include <utility>
 
-#include "base/printable.hpp"
-#include "base/srgb.hpp"
 #include "options/option_list.hpp"
 #include "ringsplat/base/error.hpp"
 

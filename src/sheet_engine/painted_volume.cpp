@@ -1,9 +1,5 @@
 #include "sheet_engine/painted_volume.hpp"
 
-#include <algorithm>
-#include <cmath>
-
-#include "ringsplat/base/error.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/sheet_rays.hpp"
 #include "volume/scalars.hpp"

@@ -1,8 +1,6 @@
 #include "sheet_engine/sheet_engine.hpp"
 
-#include "ringsplat/base/error.hpp"
 #include "sheet_engine/layers.hpp"
-#include "sheet_engine/paint_group.hpp"
 
 namespace ringsplat {
 

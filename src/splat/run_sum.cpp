@@ -1,7 +1,6 @@
 #include "splat/run_sum.hpp"
 
 #include <bit>
-#include <cstring>
 
 namespace ringsplat {
 

@@ -1,6 +1,5 @@
 #include "splat/splat_sum.hpp"
 
-#include <algorithm>
 #include <ranges>
 
 namespace ringsplat {

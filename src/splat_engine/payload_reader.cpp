@@ -1,11 +1,5 @@
 #include "splat_engine/payload_reader.hpp"
 
-#include <fmt/format.h>
-
-#include <bit>
-
-#include "base/byte_stream.hpp"
-
 namespace ringsplat {
 namespace {
 

@@ -1,10 +1,8 @@
 #include "splat_engine/row_band.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "base/bit_runs.hpp"
-#include "base/byte_stream.hpp"
 
 namespace ringsplat {
 namespace {
