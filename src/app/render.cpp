@@ -18,8 +18,8 @@ namespace ringsplat::app {
 namespace {
 
 /// Renders the stream's views as they come, and shows when it waits for one while none is under way.
-Director director_of(const FrameSpec& frame, const std::shared_ptr<ViewStream>& stream, FrameSum& sum,
-                     Progress& progress) {
+Director director_of(const FrameSpec& frame, const std::shared_ptr<ViewStream>& stream,
+                     const std::function<void(FrameResult&&)>& take, Progress& progress) {
   const auto under_way = std::make_shared<int>(0);
   const auto next = [=, &progress, waiting = false]() mutable -> std::optional<FrameSpec> {
     const auto view = stream->next();
@@ -29,12 +29,11 @@ Director director_of(const FrameSpec& frame, const std::shared_ptr<ViewStream>& 
     ++*under_way;
     return frames_of(frame, {*view}).front();
   };
-  const auto take = [=, &sum](FrameResult&& result) {
+  const auto done = [=](FrameResult&& result) {
     --*under_way;
-    const auto view = std::size_t(result.spec.frame);
-    sum.add(std::move(result), view, true);
+    take(std::move(result));
   };
-  return {next, take, [stream] { return stream->may_come(); }};
+  return {next, done, [stream] { return stream->may_come(); }};
 }
 
 /// The stream of `--path -`. What is passed by reference must outlive it.
@@ -90,9 +89,8 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
   const std::size_t views = o.frames ? job.series.size() : job.cameras.size();
   SeriesLoader loader(job, pictures_at_once(job, views), progress, launch);
   Scene scene;
-  loader.load_together(scene, 0);
-  std::vector<FrameSpec> frames;
-  choose_frames(job, scene, frames, progress, launch);
+  loader.load_channels(scene, 0);
+  const std::vector<FrameSpec> frames = choose_frames(job, scene, progress, launch);
   const ValueRange range = scene.values.range;
   if (job.annotation) job.annotation->keep_range(range);
   FrameOutput output(job, range, progress);
@@ -100,28 +98,28 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
   if (first_rank && o.frames) say_series(job, frames[0].shown.transfer_function.name, range, progress);
   progress.begin("rendering", double(views));
   double last_ended = now_seconds();
-  FrameSum sum([&](FrameResult&& result, std::size_t view) {
-    if (o.frames || !job.channels.empty()) {  // of several runs
+  const auto take = [&](FrameResult&& result) {
+    if (o.frames || !job.channels.empty()) {  // of several runs or frames
       const double now = now_seconds();
-      result.spec.frame = result.stats.frame = std::int64_t(view);
       result.stats.period = now - std::exchange(last_ended, now);
     }
     output.take(std::move(result));
-  });
+  };
   std::shared_ptr<ViewStream> stream;
   if (first_rank && o.path == "-") stream = views_on_stdin(o, frames[0], job.volume.grid, progress);
   Trace trace;
   ProtocolOptions protocol = o.run.protocol;
   if (!o.trace.empty()) protocol.trace = &trace;
   try {
-    for (std::size_t k = 0; k < job.parts(); k += job.at_once) {
-      if (k > 0) loader.load_together(scene, k);
-      if (frames.size() < job.channels_drawn()) choose_frames(job, scene, frames, progress, launch);
-      loader.read_ahead(k + job.at_once);
-      if (k % job.channels_drawn() == 0) output.show(job.part(k).path, scene.values.range);
-      render_all(job, protocol, std::exchange(scene, {}),
-                 stream ? director_of(frames[0], stream, sum, progress) : director_of(job, k, frames, sum),
-                 launch);
+    for (std::size_t volume = 0; volume < job.series.size(); ++volume) {
+      if (volume > 0) loader.load_channels(scene, volume);
+      const std::size_t part = volume * job.channels_drawn();
+      loader.read_ahead(part + job.channels_drawn());
+      output.show(job.part(part).path, scene.values.range);
+      render_all(
+          job, protocol, std::exchange(scene, {}),
+          stream ? director_of(frames[0], stream, take, progress) : director_of(job, volume, frames, take),
+          launch);
     }
   } catch (const InputError&) {
     progress.end();

@@ -87,17 +87,6 @@ void refuse_replacing_volumes(const RenderOptions& o, const std::vector<SeriesEn
   }
 }
 
-/// All channels, where there is memory for them.
-void draw_at_once(Job& job, std::size_t pictures, Launch& launch) try {
-  const std::size_t all = job.channels.size();
-  launch.check_on_all_ranks([&] { check_memory(job, pictures, launch, double(all)); });
-  job.at_once = all;
-  for (std::uint64_t& bytes : job.slice_bytes) bytes *= all;
-} catch (const InputError&) {
-  if (launch.rank() == 0)
-    log_info("one channel is held and drawn after another: there is no memory for all of them");
-}
-
 std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Camera>& cameras,
                                   const Grid& grid, Launch& launch) {
   if (o.keep_all_axes || o.path == "-") return {true, true, true};
@@ -131,6 +120,7 @@ void find_volumes(Job& job, Launch& launch) {
     launch.check_on_rank_0([&] { job.channels = find_channels(job.part(0), wanted); });
     job.channels = launch.of_rank_0(job.channels);
     if (job.channels.empty()) o.volume.choice.channel.clear();
+    o.volume.choice.volumes = int(job.channels_drawn());
   }
   if (o.frames && !o.output.empty()) launch.check_on_rank_0([&] { refuse_replacing_volumes(o, job.series); });
   o.volume = job.part(0);
@@ -158,9 +148,8 @@ void check_outputs(const RenderOptions& o) {
 
 std::size_t pictures_at_once(const Job& job, std::size_t views) {
   const RenderOptions& o = job.options;
-  const std::size_t sums = job.channels.empty() ? 0 : o.frames ? 1 : views;
   const auto in_flight = std::size_t(o.run.protocol.frames_in_flight);
-  return sums +
+  return std::size_t(!job.channels.empty()) +
          (o.error.truth ? std::max(in_flight, views) : in_flight + std::min(views, FrameWriter::room + 1));
 }
 
@@ -195,9 +184,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   job.load = needed_along(o.frame, agree_on_axes(o, job.cameras, grid, launch));
   if (o.budget.max_error && !o.budget.fixed.contains("--undersample"))
     job.load.factors.assign(undersampling.begin(), undersampling.end());
-  const std::size_t pictures = pictures_at_once(job, job.cameras.size());
-  settle_layout(job, pictures, 1, launch);
-  if (!job.channels.empty()) draw_at_once(job, pictures, launch);
+  settle_layout(job, pictures_at_once(job, job.cameras.size()), job.channels_drawn(), launch);
   launch.check_on_rank_0([&] {
     if (!o.output.empty() || !o.error.map.empty()) require_image_library();
   });
@@ -244,35 +231,30 @@ FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launc
   return frame;
 }
 
-void choose_frames(Job& job, Scene& scene, std::vector<FrameSpec>& frames, Progress& progress,
-                   Launch& launch) {
-  const std::size_t first = frames.size();
-  for (std::size_t k = 0; k < job.at_once; ++k)
-    frames.push_back(choose_frame(job, k == 0 ? scene : scene.others[k - 1], progress, launch, first + k));
+std::vector<FrameSpec> choose_frames(Job& job, Scene& scene, Progress& progress, Launch& launch) {
+  std::vector<FrameSpec> frames;
+  for (std::size_t k = 0; k < job.channels_drawn(); ++k)
+    frames.push_back(choose_frame(job, k == 0 ? scene : scene.others[k - 1], progress, launch, k));
+  return frames;
 }
 
-Director director_of(const Job& job, std::size_t first, const std::vector<FrameSpec>& frames, FrameSum& sum) {
-  const std::size_t channel = first % job.channels_drawn(), volume = first / job.channels_drawn();
+Director director_of(const Job& job, std::size_t volume, const std::vector<FrameSpec>& frames,
+                     std::function<void(FrameResult&&)> take) {
   std::vector<Camera> cameras = job.cameras;
   if (job.options.frames && cameras.size() > 1) cameras = {cameras[volume]};
   Director director;
-  director.next_picture =
-      [&job, cameras, next = std::size_t{0},
-       frames = std::vector(frames.begin() + std::ptrdiff_t(channel),
-                            frames.begin() + std::ptrdiff_t(channel + job.at_once))]() mutable {
-        std::vector<VolumeFrame> picture;
-        if (next == cameras.size()) return picture;
-        for (std::size_t k = 0; k < frames.size(); ++k) {
-          frames[k].shown.camera = cameras[next];
-          picture.push_back({k, frames[k]});
-        }
-        ++next;
-        return picture;
-      };
-  director.frame_done = [&job, &sum, volume,
-                         last = channel + job.at_once == job.channels_drawn()](FrameResult&& result) {
-    const auto view = job.options.frames ? job.series[volume].number : result.spec.frame;
-    sum.add(std::move(result), std::size_t(view), last);
+  director.next_picture = [frames = frames, cameras, next = std::size_t{0}]() mutable {
+    std::vector<VolumeFrame> picture;
+    for (std::size_t k = 0; next < cameras.size() && k < frames.size(); ++k) {
+      frames[k].shown.camera = cameras[next];
+      picture.push_back({k, frames[k]});
+    }
+    ++next;
+    return picture;
+  };
+  director.frame_done = [&job, volume, take = std::move(take)](FrameResult&& result) {
+    if (job.options.frames) result.spec.frame = result.stats.frame = job.series[volume].number;
+    take(std::move(result));
   };
   return director;
 }

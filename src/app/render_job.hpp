@@ -42,7 +42,6 @@ struct Job {
   std::vector<Camera> cameras;
   std::vector<SeriesEntry> series;       ///< one volume without --frames
   std::vector<DrawnChannel> channels;    ///< that are drawn together, on all ranks as many; else none
-  std::size_t at_once = 1;               ///< channels that are held and drawn at once: all, or one
   OpenedVolume volume;                   ///< the first part
   std::optional<Annotation> annotation;  ///< on rank 0
   LoadOptions load;
@@ -50,7 +49,7 @@ struct Job {
   std::vector<MeasuredShortcuts> measured;  ///< on rank 0, for --max-error: of what a setting is chosen
 
   std::size_t channels_drawn() const { return std::max<std::size_t>(1, channels.size()); }
-  /// What is drawn one after another: the volumes, of several channels each volume's in turn.
+  /// What is loaded one after another: the volumes, of several channels each volume's in turn.
   std::size_t parts() const { return series.size() * channels_drawn(); }
   VolumeOptions part(std::size_t k) const;
   std::string name_of_part(std::size_t k) const;  ///< for people
@@ -124,16 +123,16 @@ Job prepare(const RenderOptions& given, Launch& launch);
 /// together, that of the scene. On all ranks; the result is rank 0's.
 FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launch, std::size_t channel = 0);
 
-/// Appends those of the channels in the scene, which are held at once.
-void choose_frames(Job& job, Scene& scene, std::vector<FrameSpec>& frames, Progress& progress,
-                   Launch& launch);
+/// Those of all channels in the scene.
+std::vector<FrameSpec> choose_frames(Job& job, Scene& scene, Progress& progress, Launch& launch);
 
 /// Loads the scene again, from the same volume.
 Scene reload(Job& job, Progress& progress, Launch& launch);
 
-/// Of the job's parts from `first` on that are drawn at once: with --frames one view of them, else all.
-/// `frames`: by channel. `sum`, which must outlive it as the job must, gets the pictures.
-Director director_of(const Job& job, std::size_t first, const std::vector<FrameSpec>& frames, FrameSum& sum);
+/// Of one of the job's volumes: with --frames one view of it, else all. `frames`: by channel. The job must
+/// outlive it.
+Director director_of(const Job& job, std::size_t volume, const std::vector<FrameSpec>& frames,
+                     std::function<void(FrameResult&&)> take);
 
 /// Changes `frame` (on rank 0, which announces frames) to the cheapest setting that keeps the job's budget,
 /// by the stored calibration or a new one. Returns true when it rendered with `scene`, which is then used up
@@ -182,9 +181,8 @@ class SeriesLoader {
   /// Throws the same InputError on all processes, with the volume's name, when it cannot be read, has another
   /// grid than the first or no finite value. No scene of an earlier volume should be alive, for its memory.
   Scene load(std::size_t k);
-  /// The same of all parts from `first` on that are held at once, beside what the scene has; the first
-  /// becomes the scene where that is empty.
-  void load_together(Scene& scene, std::size_t first);
+  /// The same in all channels, beside what the scene has; its first becomes the scene where that is empty.
+  void load_channels(Scene& scene, std::size_t volume);
   /// Throws the InputError of load(), before anything is loaded, for any that cannot be opened or has another
   /// grid.
   void check_all();

@@ -204,10 +204,10 @@ Scene SeriesLoader::load(std::size_t k) {
   }
 }
 
-void SeriesLoader::load_together(Scene& scene, std::size_t first) {
-  for (std::size_t k = first; k < first + job_.at_once; ++k) {
+void SeriesLoader::load_channels(Scene& scene, std::size_t volume) {
+  for (std::size_t k = 0; k < job_.channels_drawn(); ++k) {
     Scene& next = scene.grid.voxels() == 0 ? scene : scene.others.emplace_back();
-    next = load(k);
+    next = load(volume * job_.channels_drawn() + k);
   }
 }
 

@@ -53,8 +53,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
     for (const auto& level : serve::make_levels(grid.dims)) check_frame(serve::at_level(first, level), grid);
   });
   job.load = serve::needed_for_levels(o.frame, grid);
-  job.at_once = job.channels_drawn();
-  settle_layout(job, pictures_held, job.at_once, launch);
+  settle_layout(job, pictures_held, job.channels_drawn(), launch);
   if (!view_note.empty()) log_info("{}", view_note);
   return job;
 }
@@ -210,7 +209,7 @@ std::vector<int> load_next(const std::vector<int>& next, const std::vector<int>&
     launch.check_on_all_ranks([&] { check_memory(job, count * pictures_held, launch, double(count)); });
     for (std::size_t k = scene.grid.voxels() > 0 ? 1 : 0; k < count; ++k) {
       failed = next[k];
-      loader.load_together(scene, std::size_t(failed) * job.at_once);
+      loader.load_channels(scene, std::size_t(failed));
     }
   } catch (const InputError& e) {
     if (next == held && held.size() == 1) throw;
@@ -257,7 +256,7 @@ std::tuple<Scene, MadeFunction, Shown> load_first(const std::optional<Reduction>
     shown = job.options.frame.shown;
     job.load.half_of = half ? std::optional(job.volume.grid) : std::nullopt;
     job.load.prefilter = half.value_or(shown.reduction).prefilter;
-    loader.load_together(scene, 0);
+    loader.load_channels(scene, 0);
     launch.check_on_rank_0([&] {
       made = job.channels.empty() ? job.transfer_function->make(scene.values, shown)
                                   : make_function(job.channels.front(), job.options, scene.values, shown);
@@ -312,7 +311,7 @@ Scene load_behind(const Scene& coarse, SeriesLoader& loader, Job& job, serve::Vi
     render_all(job, job.options.run.protocol, coarse, std::move(once), launch);
     launch.collectives().begin_watch(fmt::format("reading {}", job.options.volume.path), true);
   };
-  loader.load_together(whole, 0);
+  loader.load_channels(whole, 0);
   job.load.told = {};
   if (viewer != nullptr) {
     viewer->loaded({{0}, ranges_of(whole)});

@@ -165,9 +165,11 @@ template <class Frame, class Kept>
 class FrameEngine : public Engine {
  public:
   explicit FrameEngine(const EngineSetup& setup) : setup_(setup) {
-    for (std::size_t k = 0; k <= setup.others.size(); ++k) {
-      volumes_.push_back(setup.of_volume(k));
-      dealers_.emplace_back(volumes_.back());
+    EngineSetup one = setup;
+    dealers_.emplace_back(one);
+    for (const auto& other : setup.others) {
+      one.sketch = other.sketch;
+      dealers_.emplace_back(one);
     }
   }
 
@@ -198,7 +200,9 @@ class FrameEngine : public Engine {
     if (!kept) kept = std::make_unique<Kept>();
     return make_encoder(std::move(frame), *kept);
   }
-  const SliceStore& slices_of(const Frame& frame) const { return *volumes_[frame.volume].slices; }
+  const SliceStore& slices_of(const Frame& frame) const {
+    return frame.volume == 0 ? *setup_.slices : *setup_.others[frame.volume - 1].slices;
+  }
 
   const EngineSetup setup_;
   std::vector<RegionDealer> dealers_;  ///< by volume
@@ -217,7 +221,7 @@ class FrameEngine : public Engine {
         if (spec.frame != a.frame)
           throw RunError(
               fmt::format("rank 0 told of frame {} in a message about frame {}", spec.frame, a.frame));
-        if (volume >= volumes_.size()) throw RunError(fmt::format("rank 0 told of volume {}", volume));
+        if (volume >= dealers_.size()) throw RunError(fmt::format("rank 0 told of volume {}", volume));
         check(spec);
       }
       return frames_.emplace_back(make_frame(frames));
@@ -227,7 +231,6 @@ class FrameEngine : public Engine {
   }
 
   std::deque<std::shared_ptr<const Frame>> frames_;  ///< in flight; the rank's nodes share them
-  std::vector<EngineSetup> volumes_;                 ///< for each volume alone
   std::map<std::pair<std::size_t, int>, std::unique_ptr<Kept>> kept_;  ///< by volume and level
   std::map<int, std::shared_ptr<FramePainter<Frame>>> painters_;       ///< by Renderer
 };

@@ -38,14 +38,6 @@ struct EngineSetup {
   TakePicture take = {};         ///< called on the frame buffer's rank
 
   SliceDealing dealing() const { return {gps, bundle}; }
-  /// For one of the volumes alone.
-  EngineSetup of_volume(std::size_t number) const {
-    EngineSetup one = *this;
-    one.others.clear();
-    if (number > 0)
-      std::tie(one.sketch, one.slices) = std::tie(others.at(number - 1).sketch, others.at(number - 1).slices);
-    return one;
-  }
 };
 
 }  // namespace ringsplat

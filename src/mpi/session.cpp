@@ -107,12 +107,6 @@ OwnedComm::~OwnedComm() {
   if (finalised == 0 && comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
 }
 
-std::size_t communicator_handle_bytes() { return sizeof(MPI_Comm); }
-
-Processes connected_at(const void* communicator) {
-  return connected<MPI_Comm>(*static_cast<const MPI_Comm*>(communicator));
-}
-
 Processes connected_by_number(int communicator) {
   return connected<MPI_Comm>(MPI_Comm_f2c(MPI_Fint(communicator)));
 }

@@ -37,14 +37,8 @@ class MpiSession {
   static std::string library();
 };
 
-std::size_t communicator_handle_bytes();
-
-/// Connects the processes of the MPI_Comm at this address, as connected() does
-/// (ringsplat/mpi/communicator.hpp).
-Processes connected_at(const void* communicator);
-
-/// The same, of a communicator by its number in Fortran (MPI_Comm_c2f). Throws InputError in a build without
-/// MPI.
+/// Connects the processes of a communicator by its number in Fortran (MPI_Comm_c2f), as connected() does
+/// (ringsplat/mpi/communicator.hpp). Throws InputError in a build without MPI.
 Processes connected_by_number(int communicator);
 
 }  // namespace ringsplat

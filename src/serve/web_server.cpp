@@ -42,9 +42,7 @@ struct WebServer::Impl {
     if (error)
       throw InputError(fmt::format("the server cannot listen at {}: {}", host_and_port(address, options.port),
                                    error.message()),
-                       error == std::errc::address_not_available
-                           ? "give --bind an address of this machine"
-                           : "choose another --port; 0 takes any that is free");
+                       "choose another --port, 0 for any free one, or an own address by --bind");
     const int port = acceptor_.local_endpoint().port();
     const std::string machine = host_name();
     name_ = address.is_unspecified() ? fmt::format("{}:{}", machine.empty() ? "localhost" : machine, port)

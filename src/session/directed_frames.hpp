@@ -83,18 +83,17 @@ class DirectedFrames final : public FrameSource {
   /// The next frame, of one volume or of all those behind it that are drawn as one with it.
   std::vector<FrameOfVolume> take_together(std::int64_t frame) {
     std::vector<FrameOfVolume> frames;
-    do {
-      auto& [volume, spec, below] = parts_.front();
-      spec.frame = frame;
-      pace_.tell(spec.division);
-      frames.push_back({volume, std::move(spec)});
+    for (const auto& [volume, spec, below] : parts_) {
+      if (!frames.empty() && below) break;
+      frames.push_back({volume, spec});
+      frames.back().spec.frame = frame;
+      pace_.tell(frames.back().spec.division);
       if (frames.size() > 1 && !projects_together(frames)) {
-        parts_.front().spec = std::move(frames.back().spec);
         frames.pop_back();
         break;
       }
-      parts_.erase(parts_.begin());
-    } while (!parts_.empty() && !parts_.front().below);
+    }
+    parts_.erase(parts_.begin(), parts_.begin() + std::ptrdiff_t(frames.size()));
     return frames;
   }
 

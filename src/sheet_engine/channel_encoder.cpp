@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -16,19 +17,19 @@ class ChannelEncoder final : public Encoder {
   }
 
   std::vector<int> shown() override {
-    std::vector<int> steps;
-    for (const std::vector<int>& more : shown_) {
-      std::vector<int> all;
-      std::ranges::set_union(steps, more, std::back_inserter(all));
-      steps.swap(all);
-    }
-    return steps;
+    std::set<int> steps;
+    for (const std::vector<int>& more : shown_) steps.insert(more.begin(), more.end());
+    return {steps.begin(), steps.end()};
   }
   std::uint64_t left_out(std::size_t steps) const override {
-    return of_all([steps](const Encoder& volume) { return volume.left_out(steps); });
+    std::uint64_t voxels = 0;
+    for (const auto& volume : volumes_) voxels += volume->left_out(steps);
+    return voxels;
   }
   std::uint64_t slice_memory() const override {
-    return of_all([](const Encoder& volume) { return volume.slice_memory(); });
+    std::uint64_t bytes = 0;
+    for (const auto& volume : volumes_) bytes += volume->slice_memory();
+    return bytes;
   }
   void take_news(std::span<const std::byte> news) override {
     for (const auto& volume : volumes_) volume->take_news(news);
@@ -51,11 +52,6 @@ class ChannelEncoder final : public Encoder {
   EncodedStep finish() override { return joined_.take(); }
 
  private:
-  std::uint64_t of_all(auto&& part) const {
-    std::uint64_t sum = 0;
-    for (const auto& volume : volumes_) sum += part(*volume);
-    return sum;
-  }
   /// The next volume that shows something of the step's slice.
   void begin_next() {
     while (at_ < volumes_.size() && !std::ranges::binary_search(shown_[at_], step_)) ++at_;

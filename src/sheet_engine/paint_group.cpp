@@ -23,21 +23,14 @@ void PaintBy(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs
   painter.store_pixels();
 }
 
-/// Names a painter's sampler and rays.
-template <class S, class R>
-struct Ways {
-  using Sampler = S;
-  using Rays = R;
-};
-
-/// Calls `use` with the Ways for the planes' numbers and the group's rays.
+/// Calls `use` for the planes' numbers and the group's rays.
 template <class Rays>
 void WithSampler(const SheetPaint& paint, [[maybe_unused]] bool patches, const auto& use) {
-  if (paint.floats) return use(Ways<FloatSampler, Rays>());
+  if (paint.floats) return use.template operator()<FloatSampler, Rays>();
 #if RINGSPLAT_LANES_PATCHES
-  if (patches) return use(Ways<PatchSampler, Rays>());
+  if (patches) return use.template operator()<PatchSampler, Rays>();
 #endif
-  use(Ways<PairSampler, Rays>());
+  use.template operator()<PairSampler, Rays>();
 }
 void WithWays(const SheetPaint& paint, const PixelGroup& group, const auto& use) {
   if (const auto& eye = paint.rays.eye)
@@ -47,17 +40,17 @@ void WithWays(const SheetPaint& paint, const PixelGroup& group, const auto& use)
 }
 
 void PaintGroup(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs) {
-  WithWays(paint, group, [&]<class W>(W) {
+  WithWays(paint, group, [&]<class Sampler, class Rays>() {
     if (paint.projection.mode == Mode::composite)
-      PaintBy<GroupPainter<typename W::Sampler, typename W::Rays>>(paint, group, slabs);
+      PaintBy<GroupPainter<Sampler, Rays>>(paint, group, slabs);
     else
-      PaintBy<ProjectionPainter<typename W::Sampler, typename W::Rays>>(paint, group, slabs);
+      PaintBy<ProjectionPainter<Sampler, Rays>>(paint, group, slabs);
   });
 }
 
 void PaintChannels(std::span<const PaintedChannel> channels, std::size_t all, const PixelGroup& group) {
-  WithWays(*channels.front().paint, group, [&]<class W>(W) {
-    ChannelPainter<typename W::Sampler, typename W::Rays> painter(channels, all, group);
+  WithWays(*channels.front().paint, group, [&]<class Sampler, class Rays>() {
+    ChannelPainter<Sampler, Rays> painter(channels, all, group);
     for (std::size_t k = 0; k < channels.front().slabs.slabs.size(); ++k) painter.paint(k);
     painter.store_pixels();
   });

@@ -82,7 +82,6 @@ void PaintedVolume::extrapolate_end() {
 /// Makes tables and planes for the frame and the volume's range.
 void PaintedVolume::make_ready() {
   ready_ = true;
-  const Sheets& sheets = frame_->sheets;
   scale_ = value_scale(*frame_, range_->first, range_->second);
   const PlaneCode& code = scale_.code;
   if (frame_->composites()) fill_table();
@@ -108,8 +107,8 @@ void PaintedVolume::make_ready() {
   paint_.pitch = planes_.pitch();
   paint_.floats = code.floats;
   paint_.lit = frame_->lit();
-  paint_.adaptive = sheets.adaptive;
-  paint_.light_points = sheets.light_points;
+  paint_.adaptive = frame_->sheets.adaptive;
+  paint_.light_points = frame_->sheets.light_points;
   paint_.opaque_threshold = static_cast<float>(frame_->shown.opaque_threshold);
   paint_.face_pieces = 0.5F * float(frame_->slabs());
   paint_.projection = make_projection(*frame_, code);

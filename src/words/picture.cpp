@@ -150,22 +150,18 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
   const app::RenderOptions& o = job.options;
   ValueRange range;
   std::vector<Picture> pictures;
-  FrameSum sum([&](FrameResult&& result, std::size_t) {
+  const auto take = [&](FrameResult&& result) {
     pictures.push_back(picture_of(std::move(result), o, range, job.annotation, job.channels));
     progress.at(double(pictures.size()));
-  });
+  };
+  Scene scene;
   app::SeriesLoader loader(job, app::pictures_at_once(job, job.cameras.size()), progress, launch);
-  std::vector<FrameSpec> frames;
-  for (std::size_t channel = 0; channel < job.channels_drawn(); channel += job.at_once) {
-    Scene scene;
-    loader.load_together(scene, channel);
-    app::choose_frames(job, scene, frames, progress, launch);
-    if (channel == 0) range = scene.values.range;
-    progress.begin("rendering", double(job.cameras.size()));
-    app::render_all(job, o.run.protocol, std::move(scene), app::director_of(job, channel, frames, sum),
-                    launch);
-    progress.end();
-  }
+  loader.load_channels(scene, 0);
+  const auto frames = app::choose_frames(job, scene, progress, launch);
+  range = scene.values.range;
+  progress.begin("rendering", double(job.cameras.size()));
+  app::render_all(job, o.run.protocol, std::move(scene), app::director_of(job, 0, frames, take), launch);
+  progress.end();
   const auto judge = [&] {
     std::vector<app::Judged> judged;
     truth::Scene truth = read_scene(o.volume, hooks);

@@ -32,6 +32,7 @@ struct VolumeChoice {
   /// Bytes that the voxels may take, for which a level of an OME-Zarr pyramid is chosen; without it a third
   /// of this machine's memory.
   std::optional<double> memory = std::nullopt;
+  int volumes = 1;       ///< that share that memory, where it is not given
   bool coarser = false;  ///< the next coarser level, where there is one
   /// The part of a lattice that is read, as if the file held no more; empty: all. A level of a pyramid is
   /// chosen for that part, which is asked for in voxels of the finest.

@@ -117,7 +117,7 @@ Level described_array(Node node) {
 /// there.
 std::optional<Level> find_level(const Node& group, const Json& image, const std::filesystem::path& wanted,
                                 const VolumeChoice& choice) {
-  const double most = choice.memory.value_or(machine_memory_bytes() / slice_sets);
+  const double most = choice.memory.value_or(machine_memory_bytes() / slice_sets / choice.volumes);
   double part = 1, finer = 0;
   bool passes_one = choice.coarser;
   std::optional<Grid> finest;
@@ -149,8 +149,7 @@ std::optional<Level> find_level(const Node& group, const Json& image, const std:
     constexpr double gib = 1 << 30;
     if (finer > 0 && !choice.coarser)
       log_info_once(
-          "{}: level {} (0 is the finest) is shown: the next finer one would take {:.3g} GiB, and --memory "
-          "allows {:.3g}",
+          "{}: level {}, 0 being the finest, is shown: the next takes {:.3g} GiB, --memory allows {:.3g}",
           group.folder.string(), k, finer / gib, most / gib);
     return level;
   }

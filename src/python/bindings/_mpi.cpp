@@ -12,11 +12,11 @@ using namespace ringsplat;
 namespace {
 
 /// Makes what _core's BlockSession takes over.
-nb::capsule connect(std::uintptr_t handle) {
+nb::capsule connect(int number) {
   Processes processes;
   try {
     const nb::gil_scoped_release without;
-    processes = connected_at(reinterpret_cast<const void*>(handle));
+    processes = connected_by_number(number);
   } catch (const RunError& error) {
     // An exception type of this module's own would come in place of _core's in the whole process.
     PyErr_SetString(nb::module_::import_("ringsplat._core").attr("RunError").ptr(), error.what());
@@ -31,7 +31,6 @@ nb::capsule connect(std::uintptr_t handle) {
 NB_MODULE(_mpi, m) {
   m.doc() = "Sessions on the ranks of an MPI communicator. Not for users.";
   m.def("library", &MpiSession::library, "The MPI library that this module is linked with.");
-  m.def("handle_bytes", &communicator_handle_bytes, "Bytes of an MPI_Comm.");
   m.def("connect", &connect,
-        "Connects the processes of the communicator whose MPI_Comm is at this address; collective.");
+        "Connects the processes of the communicator with this number in Fortran; collective.");
 }

@@ -44,12 +44,12 @@ def _connect(comm: Any) -> Any:
     except ImportError as error:
         raise ImportError(f"{_NO_MPI}: {error}") from error
     theirs, ours = MPI.Get_library_version(), _mpi.library()
-    if not theirs.startswith(ours) or MPI._sizeof(comm) != _mpi.handle_bytes():
+    if not theirs.startswith(ours):
         raise InputError(
             f"mpi4py uses {theirs.splitlines()[0].split(',')[0]}, but ringsplat was built for {ours}; hint: "
             "build both for the same MPI (docs/python.md)"
         )
-    return _mpi.connect(MPI._addressof(comm))
+    return _mpi.connect(comm.py2f())
 
 
 def _scalar_type(dtype: Any) -> str:
