@@ -158,8 +158,7 @@ struct PixelColour {
     // The depth behind the plane through the volume's middle, in world lengths.
     if (is_surface()) value = g.view.project(ray.at(taken, g)).z / g.view.pixels_per_unit;
     if (is_surface() ? !found : !(crossed > 0)) return glm::vec4(0);
-    if (v.projection.values)
-      return extremum && taken == 0 ? glm::vec4(0) : glm::vec4(glm::vec3(float(value)), 1);
+    if (v.projection.values) return {glm::vec3(float(value)), 1};
     const glm::vec4 colour = v.colours.at(value);
     return v.labels.plane == nullptr ? colour : tinted(colour, ray, rays);
   }

@@ -45,27 +45,18 @@ TransparentValues transparent_values(const Shown& shown) {
              high_end = !intervals.empty() && !std::isfinite(intervals.back().high);
   const double clear_to = low_end ? intervals.front().high : -infinity,
                clear_from = high_end ? intervals.back().low : infinity;
-  auto [first, last] = ends_of(shown.transfer_function);
-  if (shown.values) {
-    // A ray that meets the least value is told from one that meets none. Of a power of two whole numbers stay
-    // exact.
-    const double margin = last > first ? std::exp2(std::ceil(std::log2((last - first) / 256))) : 1;
-    first -= margin;
-    last += margin;
-  }
+  const auto [first, last] = ends_of(shown.transfer_function);
   switch (shown.mode) {
     case Mode::composite:
       return clear;
     case Mode::mip:
       // All extrema up to the function's first point look alike, and those that are clear.
-      return TransparentValues(
-          Intervals{{-infinity, shown.values ? first : std::max(clear_to, first), true, true}});
+      return TransparentValues(Intervals{{-infinity, std::max(clear_to, first), true, true}});
     case Mode::attenuated:
       return TransparentValues(
           Intervals{{-infinity, shown.transfer_function.colours.front().value, true, true}});
     case Mode::minip:
-      return TransparentValues(
-          Intervals{{shown.values ? last : std::min(clear_from, last), infinity, true, true}});
+      return TransparentValues(Intervals{{std::min(clear_from, last), infinity, true, true}});
     case Mode::mean:
     case Mode::sum:
       return TransparentValues(Intervals{{0, 0, true, true}});

@@ -147,26 +147,6 @@ void write_cube(const std::string& path, const char* type, const std::function<T
 
 }  // namespace
 
-TEST_CASE("values of rays that meet none are told from the least and the greatest") {
-  TemporaryFolder folder;
-  const std::string volume = folder / "half.npy", picture = folder / "x.exr";
-  write_cube<float>(volume, "<f4", [](int x, int) { return x < 12 ? 100.0F : x < 18 ? 200.0F : NAN; });
-  for (const Words& mode : {Words{"--slice", "z=7"}, {"--mode", "mip"}, {"--mode", "minip"}}) {
-    succeeded(run_program(joined({"render", volume, "-o", picture, "--values", "--size", "32"}, mode)));
-    const auto& rgba = read_image(picture).image.rgba;
-    int least = 0, greatest = 0, none = 0;
-    for (std::size_t k = 0; k < rgba.size(); k += 4) {
-      none += rgba[k + 3] == 0;
-      least += rgba[k + 3] == 1 && rgba[k] == Approx(100);
-      greatest += rgba[k + 3] == 1 && rgba[k] == Approx(200);
-    }
-    INFO(mode[1]);
-    CHECK(least > 100);
-    CHECK(greatest > 50);
-    CHECK(none > 200);
-  }
-}
-
 TEST_CASE("a slice of labels has their colours and no others") {
   TemporaryFolder folder;
   const std::string volume = folder / "labels.npy", picture = folder / "x.exr";
