@@ -31,6 +31,7 @@ class DirectedFrames final : public FrameSource {
     if (parts_.empty()) return std::nullopt;
     auto [volume, spec, below] = std::move(parts_.front());
     parts_.erase(parts_.begin());
+    if (spec.shown.depth && !spec.shown.values) parts_.insert(parts_.begin(), {volume, depth_frame_of(spec)});
     spec.frame = frame;
     pace_.tell(spec.division);
     Bytes body = encode(spec, volume);

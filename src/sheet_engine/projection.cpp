@@ -100,6 +100,7 @@ Projection make_projection(const SheetFrame& frame, const PlaneCode& code) {
   Projection p;
   p.mode = frame.shown.mode;
   p.values = frame.shown.values;
+  p.opacity = float(std::min(frame.shown.depth.value_or(0.5), 1 - 1.0001 * frame.shown.opaque_threshold));
   p.unit = float(frame.step_length() * frame.unit_length() / code.scale);
   if (takes_extremum(p.mode)) {
     const auto [first, last] = ends_of(tf);
@@ -143,12 +144,12 @@ const glm::vec4& ProjectionColours::at(double value) const {
 
 void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, const Projection& projection,
                                const PlaneCode& code, const SliceLabels& labels, RegionImage& image) const {
-  const bool surface = projection.mode == Mode::surface;
-  if (surface && !projection.values) return;
+  const bool depth = projection.mode == Mode::surface || projection.mode == Mode::composite;
+  if (depth && !projection.values) return;
   const bool extremum = takes_extremum(projection.mode);
   const double from = extremum ? seen_from(frame) : 0,
                of_number = extremum ? projection.sign / code.scale : 1;
-  if (!image.touched() && (surface || at(from).a == 0)) return;
+  if (!image.touched() && (depth || at(from).a == 0)) return;
   const FrameGeometry& g = frame.geometry;
   const double slice_length = frame.step_length() * frame.unit_length();
   float* row = image.pixels();
@@ -159,9 +160,9 @@ void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, c
       const double crossed = ray.slices_in_box(rays, g);
       double value = from + of_number * pixel[0];
       if (projection.mode == Mode::mean) value /= crossed * slice_length * ray.step(rays);
-      // The depth behind the plane through the volume's middle, in world lengths.
-      if (surface) value = g.view.project(ray.at(pixel[0], g)).z / g.view.pixels_per_unit;
-      const bool there = surface ? pixel[3] > 0 : crossed > 0;
+      // Behind the plane through the volume's middle, in world lengths.
+      if (depth) value = g.view.project(ray.at(pixel[0], g)).z / g.view.pixels_per_unit;
+      const bool there = depth ? pixel[3] == 1 : crossed > 0;
       glm::vec4 colour = !there              ? glm::vec4(0)
                          : projection.values ? glm::vec4(glm::vec3(float(value)), 1)
                                              : at(value);

@@ -24,7 +24,7 @@ class ProjectionColours {
  public:
   /// Its opacities say of Mode::attenuated how much values dim, and not what is seen of them.
   void set_function(TransferFunction transfer_function, Mode mode);
-  /// Turns what a region's pixels have taken, as ProjectionPainter left it, into their colours. Rays that
+  /// Turns what a region's pixels have taken, as painters left it, into their colours, or numbers. Rays that
   /// meet the box have a value, too, where nothing was taken.
   void colour(const SheetFrame& frame, const SheetRays& rays, const Projection& projection,
               const PlaneCode& code, const SliceLabels& labels, RegionImage& image) const;

@@ -13,7 +13,7 @@ struct SheetFrame : SharedFrame {
   Sheets sheets;
   TransparentValues transparent;
 
-  bool shaded() const { return shown.shading == Shading::phong; }
+  bool shaded() const { return shown.shading == Shading::phong && !shown.values; }
   /// Whether colours or opacities go by gradients.
   bool lit() const {
     return shaded() ? composites() || shown.mode == Mode::surface : composites() && shown.edges;

@@ -110,7 +110,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void gather(int, std::span<const std::byte> bytes) override { layers_.add(bytes); }
 
   void finish(const std::function<void(int, Bytes)>& deliver) override {
-    if (!frame_->composites()) colour_projection();
+    if (!frame_->composites() || frame_->shown.values) colour_projection();
     if (geometry().layers.slices > 0)
       layers_.deliver(deliver);
     else
@@ -168,7 +168,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     paint_.pitch = planes_.pitch();
     paint_.floats = code.floats;
     paint_.lit = frame_->lit();
-    paint_.adaptive = sheets.adaptive;
+    paint_.adaptive = sheets.adaptive && !frame_->shown.values;
     paint_.light_points = sheets.light_points;
     paint_.opaque_threshold = static_cast<float>(frame_->shown.opaque_threshold);
     paint_.face_pieces = 0.5F * float(frame_->slabs());
