@@ -97,7 +97,7 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
   progress.begin("rendering", double(views));
   double last_ended = now_seconds();
   FrameSum sum([&](FrameResult&& result, std::size_t view) {
-    if (o.frames || !job.channels.empty()) {  // of several runs
+    if (o.frames || !job.channels.empty() || o.frame.shown.depth) {  // of several runs or frames
       const double now = now_seconds();
       result.spec.frame = result.stats.frame = std::int64_t(view);
       result.stats.period = now - std::exchange(last_ended, now);
