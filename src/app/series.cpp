@@ -229,13 +229,19 @@ void SeriesLoader::read_ahead(std::size_t k) {
 }
 
 OpenedVolume SeriesLoader::half_of(std::size_t k, OpenedVolume whole) {
+  const Grid full = whole.grid;
+  std::optional<Grid> finest = whole.notes.finest;
   if (whole.layer_depth > 1) {
     VolumeOptions part = job_.part(k);
     part.choice.coarser = true;
-    return open(part, launch_);
+    whole = open(part, launch_);
+  } else {
+    whole.grid = reduced_grid(whole.grid, {2});
+    if (whole.source) whole.source = skipping_source(std::move(whole.source), whole.grid, 2);
   }
-  whole.grid = reduced_grid(whole.grid, {2});
-  if (whole.source) whole.source = skipping_source(std::move(whole.source), whole.grid, 2);
+  // It is shown as the volume undersampled, and is as dense by that.
+  if (finest) finest->spacing *= whole.grid.spacing / full.spacing;
+  whole.notes.finest = finest;
   return whole;
 }
 
