@@ -57,10 +57,9 @@ class ChannelPainter : public ProjectionPainter<Sampler, Rays, ChannelPixels<Ray
 
   void paint_tile(int t, std::size_t k) {
     State& s = state_[t];
-    M seen;
+    M alive;
     bool by_planes = false;
-    if (!this->begin_tile(s, seen, by_planes)) return;
-    const M alive = this->alive(s);
+    if (!this->begin_tile(s, alive, by_planes)) return;
     const Ends ends = rays_.ends(s.ray);
     const Corner corner = this->corner_below(ends);
     active_count_ = 0;

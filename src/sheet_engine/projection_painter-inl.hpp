@@ -138,12 +138,13 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, State> {
     HWY_INLINE F length() const { return sub(to, from); }
   };
 
-  /// Begins a tile's lanes that still take something and do not lie behind a clip plane, `seen`. False where
-  /// there are none.
-  HWY_INLINE bool begin_tile(State& s, M& seen, bool& by_planes) const {
-    seen = this->alive(s);
-    s.dead = !any(seen);
+  /// Finds a tile's lanes that still take something. False where there are none, or all lie behind a clip
+  /// plane.
+  HWY_INLINE bool begin_tile(State& s, M& alive, bool& by_planes) const {
+    alive = this->alive(s);
+    s.dead = !any(alive);
     if (s.dead) return false;
+    M seen = alive;
     by_planes = this->cut_by_planes(s, seen);
     return any(seen);
   }
@@ -243,10 +244,9 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, State> {
 
  private:
   void paint_tile(State& s) {
-    M seen;
+    M alive;
     bool by_planes = false;
-    if (!begin_tile(s, seen, by_planes)) return;
-    const M alive = this->alive(s);
+    if (!begin_tile(s, alive, by_planes)) return;
     const Ends ends = rays_.ends(s.ray);
     const Corner corner = this->corner_below(ends);
     if (cannot_change(q_, *slab_, enough(s), alive, ends)) return;
