@@ -175,10 +175,7 @@ class LabelSource final : public VolumeSource {
 class SegmentedSource final : public ForwardingSource {
  public:
   SegmentedSource(std::unique_ptr<VolumeSource> volume, std::unique_ptr<VolumeSource> labels, bool hides)
-      : ForwardingSource(std::move(volume)),
-        labels_(std::move(labels)),
-        hides_(hides),
-        outside_(hides ? outside_value(source_) : 0) {}
+      : ForwardingSource(std::move(volume)), labels_(std::move(labels)), hides_(hides) {}
 
   bool concurrent() const override { return source_.concurrent() && labels_->concurrent(); }
   VolumeSource* labels() override { return hides_ ? nullptr : labels_.get(); }
@@ -191,11 +188,12 @@ class SegmentedSource final : public ForwardingSource {
   void read_slices(int first, int count, std::span<std::byte> out) override {
     source_.read_slices(first, count, out);
     if (!hides_) return;
+    if (!outside_) outside_ = outside_value(source_);
     std::vector<std::byte> labels(std::size_t(count) * labels_->grid().slice_bytes(Axis::z));
     labels_->read_slices(first, count, labels);
     visit_type(grid().type, [&](auto zero) {
       using T = decltype(zero);
-      const T outside = static_cast<T>(outside_);
+      const T outside = static_cast<T>(*outside_);
       for (std::size_t i = 0; i < labels.size(); ++i)
         if (labels[i] == std::byte{0}) std::memcpy(out.data() + i * sizeof(T), &outside, sizeof(T));
     });
@@ -204,7 +202,7 @@ class SegmentedSource final : public ForwardingSource {
  private:
   std::unique_ptr<VolumeSource> labels_;
   bool hides_;
-  double outside_;
+  std::optional<double> outside_;  ///< found when voxels are read: many open a volume for its notes
 };
 
 }  // namespace
