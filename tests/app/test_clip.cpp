@@ -1,7 +1,6 @@
 // --clip: what people type, and the program itself, in one process and on ranks.
 #include <array>
 #include <cmath>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -132,29 +131,17 @@ TEST_CASE("--clip-plane draws the same bits on ranks, in a ring and in a mesh", 
              "clip planes leave nothing of the volume"));
 }
 
-namespace {
-
-/// Writes a volume of 32 x 32 x 32 values of a NumPy type.
-template <class T>
-void write_cube(const std::string& path, const char* type, const std::function<T(int x, int y)>& value_at) {
-  std::string values;
-  for (int k = 0; k < 32 * 32 * 32; ++k) {
-    const T value = value_at(k % 32, k / 32 % 32);
-    values.append(reinterpret_cast<const char*>(&value), sizeof value);
-  }
-  write_text(path, files::npy(type, "(32, 32, 32)") + values);
-}
-
-}  // namespace
-
 TEST_CASE("a slice of labels has their colours and no others") {
   TemporaryFolder folder;
   const std::string volume = folder / "labels.npy", picture = folder / "x.exr";
-  write_cube<std::uint8_t>(volume, "|u1", [](int x, int y) {
-    return x < 6 || y < 6 || (x > 13 && x < 18) ? 0 : x < 16 ? 2 : 7;
-  });
-  std::set<std::array<float, 4>> colours;
+  std::string labels;
+  for (int k = 0; k < 32 * 32 * 32; ++k) {
+    const int x = k % 32, y = k / 32 % 32;
+    labels += char(x < 6 || y < 6 || (x > 13 && x < 18) ? 0 : x < 16 ? 2 : 7);
+  }
+  write_text(volume, files::npy("|u1", "(32, 32, 32)") + labels);
   succeeded(run_program({"render", volume, "-o", picture, "--slice", "z=7", "--size", "100"}));
+  std::set<std::array<float, 4>> colours;
   const auto& rgba = read_image(picture).image.rgba;
   for (std::size_t k = 0; k < rgba.size(); k += 4)
     colours.insert({rgba[k], rgba[k + 1], rgba[k + 2], rgba[k + 3]});
