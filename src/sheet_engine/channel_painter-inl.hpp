@@ -74,8 +74,10 @@ class ChannelPainter : public ProjectionPainter<Sampler, Rays, ChannelPixels<Ray
     if (active_count_ == 0) return;
     const Way way = this->way_of(s, ends, by_planes);
     Walk walk = this->walk_of(s, corner, way);
-    this->for_each_part(walk, way.leave, alive,
-                        [&](F end, M there) HWY_ATTR { paint_part(s, walk, end, there); });
+    this->for_each_part(
+        walk, way.leave, alive, [&](F end, M there) HWY_ATTR __attribute__((always_inline)) {
+          paint_part(s, walk, end, there);
+        });
     if (has_all_) note_done(s);
   }
 
