@@ -20,7 +20,7 @@ import numpy
 from referees.files import read_exr
 
 from .output import median, ms, plotting, print_head, print_row, read_csv, rms, write_csv, write_figure
-from .run import AHEAD, COLOCATED, DEDICATED, HEAD, REPO, Bench, fail, on_ranks, output_of, parser, program, repeat, say
+from .run import AHEAD, COLOCATED, HEAD, REPO, Bench, fail, on_ranks, output_of, parser, program, repeat, say
 from .volumes import Volume
 
 PROGRAMS = REPO / "tests/peers"
@@ -166,16 +166,11 @@ def display():
 
 # peers: two ranks or cores
 
-PAPER, SLICES, SHARP = ("--quality", "paper"), ("--quality", "paper", "--image-plane", "slices"), ("--radius", 1.1)
 SETTINGS = {
     "best": ("ringsplat, sheets, best", (*COLOCATED, "--quality", "best")),
     "normal": ("ringsplat, sheets, normal", (*COLOCATED, "--quality", "normal")),
     "draft": ("ringsplat, sheets, draft", (*COLOCATED, "--quality", "draft")),
-    "screen": ("ringsplat, on the screen", (*COLOCATED, *PAPER)),
-    "slices": ("ringsplat, in the slices' plane", (*COLOCATED, *SLICES)),
-    "sharp": ("ringsplat, in the slices' plane, radius 1.1", (*COLOCATED, *SLICES, *SHARP)),
-    "apart": ("ringsplat, in the slices' plane, one GP and one Renderer", (*DEDICATED, *SLICES)),
-    "sharp-apart": ("ringsplat, in the slices' plane, one GP and one Renderer, radius 1.1", (*DEDICATED, *SLICES, *SHARP)),
+    "screen": ("ringsplat, splats", (*COLOCATED, "--quality", "paper")),
 }
 OTHERS = {"vtk": "VTK fixed-point, all cores", "vtk-gpu": "VTK GPU on Mesa's llvmpipe, all cores",
           "paraview": "ParaView, pvbatch on two ranks, llvmpipe", "volpack": "VolPack, one core"}
@@ -220,9 +215,8 @@ def other_programs(peers):
 
 def main(words):
     """Time and error beside VTK's ray casters, VolPack and ParaView: Phong and unshaded, 24 views that traverse all three slice sets; ringsplat
-with two colocated ranks, on the screen and in the plane of the slices, there with kernels of radius 1.1 and with one GP and one Renderer
-as well, and sheets of all three qualities; of the head, or of an analytic volume. The programs take turns; figures are medians over all frames of all rounds. Prints a table and
-draws it, the numbers are in build/peers/speed-error.csv. VTK comes from PyPI into build/peers (about 400 MB), VolPack from
+with two colocated ranks, splats and sheets of all three qualities; of the head, or of an analytic volume. The programs take turns;
+figures are medians over all frames of all rounds. Prints a table and draws it, the numbers are in build/peers/speed-error.csv. VTK comes from PyPI into build/peers (about 400 MB), VolPack from
 libvolpack1-dev. VTK's GPU ray caster is measured where Mesa's software rasteriser is: libegl1 and libgl1-mesa-dri, or libosmesa6."""
     arguments = parser(main.__doc__)
     repeat(arguments, 3)
@@ -289,7 +283,6 @@ def print_peers(rows):
 FAMILIES = {  # colour, marker, line, and the programs in the line's order
     "sheets: draft, normal, best": ("#0072B2", "o", "-", ("draft", "normal", "best")),
     "splats (paper)": ("#009E73", "s", "none", ("screen",)),
-    "splats in the slices' plane, and with radius 1.1": ("#009E73", "p", ":", ("slices", "sharp")),
     "VTK fixed-point": ("#D55E00", "^", "none", ("vtk",)), "VTK GPU on llvmpipe": ("#B8860B", "D", "none", ("vtk-gpu",)),
     "ParaView, 2 ranks": ("#56B4E9", "P", "none", ("paraview",)), "VolPack": ("#A5407D", "v", "none", ("volpack",)),
 }

@@ -13,7 +13,6 @@ from .run import AHEAD, COLOCATED, DEDICATED, HEAD, Bench, parser, program, repe
 from .volumes import padded
 
 FUNCTIONS = ("soft", "surface")
-PLANES = ("screen", "slices")
 THRESHOLD = ("--opaque-threshold", 1 / 512)
 OPAQUE = ("--opaque-threshold", 0)
 ONE_AHEAD = ("--frames-in-flight", 1, "--look-ahead", 1)
@@ -29,14 +28,13 @@ ROWS = {
     "look ahead 4, send ahead 16": (*OPAQUE, "--frames-in-flight", 1, *AHEAD, *DEDICATED),
     "colocated": (*OPAQUE, *ONE_AHEAD, *COLOCATED),
     "slices plane": (*NONE, *IN_SLICES),
-    "slices plane, 2 samples": (*NONE, *IN_SLICES, "--samples", 2),
     "undersample 2": (*NONE, *HALF),
     "undersample 2 prefiltered": (*NONE, *HALF, "--prefilter"),
     "undersample 4": (*NONE, "--undersample", 4),
-    "all, on the screen": ALL,
-    "all": (*ALL, *IN_SLICES),
-    "all, undersample 2": (*ALL, *IN_SLICES, *HALF),
-    "all, undersample 2 prefiltered": (*ALL, *IN_SLICES, *HALF, "--prefilter"),
+    "all": ALL,
+    "all, slices plane": (*ALL, *IN_SLICES),
+    "all, undersample 2": (*ALL, *HALF),
+    "all, undersample 2 prefiltered": (*ALL, *HALF, "--prefilter"),
 }
 
 
@@ -95,7 +93,7 @@ def front_view(size):
 
 
 class Held:
-    """What is held to bounds, on the screen and in the slices' plane, with all shortcuts that are on without being asked for."""
+    """What is held to bounds, with all shortcuts that are on without being asked for."""
 
     def __init__(self, bench, size, path, views):
         self.bench, self.size = bench, size
@@ -118,25 +116,21 @@ class Held:
         }
 
     def render(self):
-        for plane in PLANES:
-            for name, (ranks, *options) in self.runs.items():
-                size = () if name == "front-quarter" else ("--size", self.size)
-                self.bench.render(ranks, f"held-{plane}-{name}", *options, *size, "--image-plane", plane, "--frames-in-flight", 1, *AHEAD)
+        for name, (ranks, *options) in self.runs.items():
+            size = () if name == "front-quarter" else ("--size", self.size)
+            self.bench.render(ranks, f"held-{name}", *options, *size, "--frames-in-flight", 1, *AHEAD)
 
-    def milliseconds(self, plane, name):
+    def milliseconds(self, name):
         """Of each round's run."""
-        return [1e3 * median(f["seconds"] for f in run) for run in self.bench.by_run(f"held-{plane}-{name}")]
+        return [1e3 * median(f["seconds"] for f in run) for run in self.bench.by_run(f"held-{name}")]
 
     def ratio(self, what, a, b, bound):
         """The median of the rounds' ratios, since a machine's speed may drift from round to round."""
-        cells = []
-        for plane in PLANES:
-            first, second = self.milliseconds(plane, a), self.milliseconds(plane, b)
-            cells += [f"{median(first):.1f} of {median(second):.1f} ms", f"{median(x / y for x, y in zip(first, second)):.2f}"]
-        print_row(what, *cells, bound)
+        first, second = self.milliseconds(a), self.milliseconds(b)
+        print_row(what, f"{median(first):.1f} of {median(second):.1f} ms", f"{median(x / y for x, y in zip(first, second)):.2f}", bound)
 
     def print(self):
-        print_head("", "screen", "ratio", "slices' plane", "ratio", "bound")
+        print_head("", "time", "ratio", "bound")
         self.ratio("surface, of soft", "surface", "2-colocated", "at most 0.33")
         self.ratio("in a box twice as large, of the volume alone", "padded", "2-colocated", "at most 1.10")
         self.ratio("full, of undersampled by 2", "2-colocated", "undersampled", "at least 5")
@@ -144,5 +138,5 @@ class Held:
         self.ratio("one process, of 2 colocated ranks", "one-process", "2-colocated", "at least 1.7")
         self.ratio("16 colocated ranks, of 2", "16-colocated", "2-colocated", "at most 1.33")
         self.ratio("16 ranks with `--gps auto`, of 2", "16-auto", "2-colocated", "at most 1.33")
-        few, many = (self.bench.frames(f"held-screen-{name}", 0)[0]["total"]["splats_drawn"] for name in ("front-quarter", "front"))
+        few, many = (self.bench.frames(f"held-{name}", 0)[0]["total"]["splats_drawn"] for name in ("front-quarter", "front"))
         self.ratio("a quarter of the picture, of the whole", "front-quarter", "front", f"its splats: {few / many:.2f}")

@@ -1,8 +1,6 @@
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include "raster/opaque_tiles.hpp"
 #include "raster/slice_buffer.hpp"
@@ -31,7 +29,6 @@ class RegionImage {
     opaque_threshold_ = opaque_threshold;
     touched_ = false;
     tiles_.clear();
-    opaque_bits_.clear();
     slices_ = 0;
   }
 
@@ -43,12 +40,6 @@ class RegionImage {
   /// first call makes all pixels transparent; later ones change nothing, so that threads may share them.
   float* pixels();
   std::ptrdiff_t row_floats() const { return row_floats_; }
-  /// Bits in which who draws may note opaque pixels: `words` for each row, in a layout of the caller's. They
-  /// are 0 when a frame's first call asks for them.
-  std::uint64_t* opaque_bits(std::size_t words) {
-    if (opaque_bits_.empty()) opaque_bits_.assign(words * std::size_t(rect_.height()), 0);
-    return opaque_bits_.data();
-  }
 
   /// Call after slices were composited. Every few slices looks for opaque tiles.
   void slices_composited(int slices = 1);
@@ -67,8 +58,7 @@ class RegionImage {
   AlignedFloats pixels_;
   bool touched_ = false;
   OpaqueTiles tiles_;
-  std::vector<std::uint64_t> opaque_bits_;  ///< empty before the frame's first use
-  int slices_ = 0;                          ///< composited in this frame
+  int slices_ = 0;  ///< composited in this frame
 };
 
 }  // namespace ringsplat

@@ -48,7 +48,4 @@ inline Coefficients coefficients(const Footprint& footprint, double x0, double y
 /// ys (mod stride) are disjoint on the lattice; ceil(2 radius), since the ellipse is a circle there.
 int pass_stride(double radius);
 
-/// Largest whole-pixel step between voxels.
-inline constexpr int largest_step = 4;
-
 }  // namespace ringsplat

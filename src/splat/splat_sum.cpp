@@ -25,14 +25,12 @@ double largest_q(const Footprint& footprint, double x, double y) {
   return 1 + best;
 }
 
-}  // namespace
-
-float quadratic_part(const Footprint& footprint, int x, int y) { return float(form(footprint, x, y)); }
-
 bool has_stencil(const Footprint& footprint) {
   const auto reach = kernel_reach(footprint);
   return 2 * std::max(reach.x, reach.y) + 2 <= largest_stencil_window;
 }
+
+}  // namespace
 
 Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats) {
   const auto reach = kernel_reach(footprint);
@@ -60,7 +58,7 @@ Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats) {
       const int x = blocks[b].x + i, y = blocks[b].y;
       const bool inside = b < real && x <= stencil.reach_x + 1;
       const std::size_t at = b * block_pixels + std::size_t(i);
-      stencil.k[at] = inside ? quadratic_part(footprint, x, y) : never;
+      stencil.k[at] = inside ? float(form(footprint, x, y)) : never;
       stencil.dx[at] = float(x);
       stencil.dy[at] = float(y);
     }

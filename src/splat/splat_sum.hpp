@@ -28,12 +28,6 @@ struct Stencil {
       offset;  ///< [blocks]: floats from the anchor's pixel to the block's first, in the slice buffer
 };
 
-/// K at the offset (x, y) from the anchor, in pixels.
-float quadratic_part(const Footprint& footprint, int x, int y);
-
-/// True when a footprint's window is small enough for a stencil.
-bool has_stencil(const Footprint& footprint);
-
 /// `row_floats`: floats from a row to the next one in the slice buffer.
 Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats);
 
@@ -85,7 +79,7 @@ class SplatSum {
 
   KernelReach reach_;
   Footprint footprint_;
-  std::optional<Stencil> stencil_;  ///< where has_stencil(footprint)
+  std::optional<Stencil> stencil_;  ///< where the window is small enough
   /// Where was drawn; with a stencil columns of anchors, by their row from −reach_y − 1 on.
   std::vector<PixelRun> runs_;
   std::vector<PixelRun> written_;

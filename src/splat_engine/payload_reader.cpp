@@ -3,18 +3,6 @@
 namespace ringsplat {
 namespace {
 
-/// Voxels of aligned slices are summed as they lie in their rows, others splat by splat.
-std::variant<RunSum, VoxelSum> sum_for(const SplatFrame& frame) {
-  using Sum = std::variant<RunSum, VoxelSum>;
-  const FrameGeometry& g = frame.geometry;
-  const Axis axis = g.traversal.axis;
-  const PixelRect largest = g.regions.rect(0);
-  if (const auto aligned = AlignedFrame::of(frame.footprint, g.view, axis))
-    return Sum(std::in_place_type<VoxelSum>, *aligned, largest);
-  return Sum(std::in_place_type<RunSum>, frame.footprint, SliceDda(g.view, axis, g.grid.slice_width(axis)),
-             largest);
-}
-
 /// Reads a region's part and moves `at` behind it; false when the part is not whole or has voxels outside of
 /// a slice of width × height voxels.
 bool take_part(std::span<const std::byte> body, std::size_t& at, std::uint32_t width, std::uint32_t height,
@@ -43,7 +31,12 @@ bool take_part(std::span<const std::byte> body, std::size_t& at, std::uint32_t w
 
 }  // namespace
 
-PayloadReader::PayloadReader(const SplatFrame& frame) : geometry_(frame.geometry), sum_(sum_for(frame)) {}
+PayloadReader::PayloadReader(const SplatFrame& frame)
+    : geometry_(frame.geometry),
+      sum_(frame.footprint,
+           SliceDda(geometry_.view, geometry_.traversal.axis,
+                    geometry_.grid.slice_width(geometry_.traversal.axis)),
+           geometry_.regions.rect(0)) {}
 
 std::vector<PayloadPart> PayloadReader::parts(std::span<const std::byte> body,
                                               const std::function<bool(int)>& owned) const {
@@ -61,7 +54,7 @@ std::vector<PayloadPart> PayloadReader::parts(std::span<const std::byte> body,
 }
 
 DrawCounts PayloadReader::draw(std::uint32_t most) {
-  const auto [blocks, counts] = std::visit([&](auto& sum) { return sum.draw(left_, most); }, sum_);
+  const auto [blocks, counts] = sum_.draw(left_, most);
   left_.blocks += blocks * sizeof(VoxelRun);
   left_.count -= blocks;
   left_.voxels += counts.drawn + counts.clipped + counts.hidden;

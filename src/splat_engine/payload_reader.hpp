@@ -2,12 +2,10 @@
 #include <cstdint>
 #include <functional>
 #include <span>
-#include <variant>
 #include <vector>
 
 #include "raster/region_image.hpp"
 #include "splat/run_sum.hpp"
-#include "splat/voxel_sum.hpp"
 #include "splat_engine/splat_engine.hpp"
 
 namespace ringsplat {
@@ -19,7 +17,7 @@ struct PayloadPart {
   VoxelRuns runs{};
 };
 
-/// Splits a payload into its regions' parts, and sums a part's voxels before it composites them.
+/// Splits a payload into its regions' parts, and sums a part's splats before it composites them.
 class PayloadReader {
  public:
   /// The frame must outlive it.
@@ -33,7 +31,7 @@ class PayloadReader {
   /// Goes to the first voxel of a part that parts() returned, for its region's image. The payload must stay
   /// valid until more() is false.
   void begin(int slice, const PayloadPart& part, RegionImage& image) {
-    std::visit([&](auto& sum) { sum.begin(image, slice); }, sum_);
+    sum_.begin(image, slice);
     left_ = part.runs;
   }
   /// True while the part has voxels to draw.
@@ -41,13 +39,11 @@ class PayloadReader {
   /// Draws at least one and about `most` of the part's next voxels.
   DrawCounts draw(std::uint32_t most);
   /// Puts what was drawn behind the image (SplatSum::composite).
-  std::uint64_t composite() {
-    return std::visit([](auto& sum) { return sum.composite(); }, sum_);
-  }
+  std::uint64_t composite() { return sum_.composite(); }
 
  private:
   const FrameGeometry& geometry_;
-  std::variant<RunSum, VoxelSum> sum_;
+  RunSum sum_;
   VoxelRuns left_{};  ///< the part's blocks that are not drawn yet
 };
 
