@@ -72,6 +72,7 @@ json to_json(const Shown& s) {
   if (s.mode != Mode::composite) j["mode"] = name(s.mode);
   if (s.mode == Mode::surface) j["isovalue"] = s.isovalue;
   if (s.values) j["values"] = true;
+  if (s.depth) j["depth"] = *s.depth;
   for (int k = 0; k < 3 && s.clip; ++k) j["clip"].push_back({s.clip->first[k], s.clip->end[k]});
   for (const ClipPlane& plane : s.clip_planes)
     j["clip_planes"].push_back({plane.normal.x, plane.normal.y, plane.normal.z, plane.distance});
@@ -121,21 +122,26 @@ void check(const Sheets& sheets) {
 }
 
 void check_mode(const Shown& shown, const Method& method) {
-  if (shown.mode == Mode::composite) {
-    if (shown.values)
-      throw InputError("--values has no effect on composited light", "add --mode sum or another");
-    return;
-  }
+  const bool composites = shown.mode == Mode::composite, numbers = shown.values || shown.depth;
+  if (shown.depth && !(*shown.depth > 0 && *shown.depth < 1))
+    throw InputError(fmt::format("--depth {} is no opacity that every ray could reach", *shown.depth),
+                     "give a number between 0 and 1, such as 0.5");
+  if (shown.depth && !composites && shown.mode != Mode::surface)
+    throw InputError(fmt::format("--mode {} shows nothing that lies at one depth", name(shown.mode)),
+                     "leave out --depth, or use --mode composite or surface");
+  if (composites && numbers && std::holds_alternative<Splats>(method))
+    throw InputError("splats have no depth", "use --engine sheets, or leave --depth out");
+  if (composites && !shown.values) return;
   if (std::holds_alternative<Splats>(method))
     throw InputError(fmt::format("splats cannot be drawn by --mode {}", name(shown.mode)),
                      "use --engine sheets, or leave --mode out");
-  if (shown.interpolation == Interpolation::nearest)
+  if (!composites && shown.interpolation == Interpolation::nearest)
     throw InputError(fmt::format("--mode {} needs values between voxels", name(shown.mode)),
                      "leave out --interpolation nearest");
   if (!std::isfinite(shown.isovalue))
     throw InputError("--isovalue is not a finite number", "give a value of the volume");
   if (const auto* const sheets = std::get_if<Sheets>(&method); sheets != nullptr && sheets->layers > 0)
-    throw InputError(fmt::format("--mode {} has no layers to composite", name(shown.mode)),
+    throw InputError(fmt::format("numbers, and --mode {}, have no layers to composite", name(shown.mode)),
                      "leave out --layers");
 }
 

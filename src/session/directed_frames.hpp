@@ -33,7 +33,8 @@ class DirectedFrames final : public FrameSource {
     const bool below = parts_.front().below;
     auto together = take_together(frame);
     Bytes body = encode(together);
-    FrameSpec& spec = together.front().spec;
+    auto& [volume, spec] = together.front();
+    if (spec.shown.depth && !spec.shown.values) parts_.insert(parts_.begin(), {volume, depth_frame_of(spec)});
     spec.frame = picture_;
     frames_[frame] = {std::move(spec), {}, parts_.empty(), below};
     if (parts_.empty()) ++picture_;

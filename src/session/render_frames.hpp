@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <map>
 #include <memory>
@@ -29,7 +30,21 @@ struct FrameResult {
   Axis axis = Axis::z;  ///< of the slice set that was traversed
 };
 
+/// The frame of numbers that are the depths of a frame's picture. Its slices' planes are the same.
+inline FrameSpec depth_frame_of(FrameSpec frame) {
+  frame.shown.values = true;
+  if (auto* const sheets = std::get_if<Sheets>(&frame.how)) sheets->layers = 0;
+  return frame;
+}
+/// Gives a picture the depths that its frame of numbers has.
+inline void take_depths(Image& picture, const Image& values) {
+  picture.depth.resize(values.rgba.size() / 4);
+  for (std::size_t k = 0; k < picture.depth.size(); ++k)
+    picture.depth[k] = values.rgba[4 * k + 3] > 0 ? values.rgba[4 * k] : INFINITY;
+}
+
 /// Adds up pictures of several volumes: light and opacity, both at most 1. So volumes do not hide each other.
+/// A frame of depths gives them to the picture before it.
 class FrameSum {
  public:
   using Take = std::function<void(FrameResult&& sum, std::size_t view)>;
@@ -43,25 +58,26 @@ class FrameSum {
     const auto [found, is_first] = sums_.try_emplace(view, std::move(picture));
     if (!is_first) {
       FrameResult& sum = found->second;
-      Image::Floats& rgba = sum.image.rgba;
-      if (below) {
-        sum.image.height += picture.image.height;
-        rgba.resize(rgba.size() + picture.image.rgba.size(), 0.0F);
-      }
-      const std::size_t first = rgba.size() - picture.image.rgba.size();
-      for (std::size_t k = first; k < rgba.size(); ++k) rgba[k] += picture.image.rgba[k - first];
+      if (picture.spec.shown.values && !sum.spec.shown.values)
+        take_depths(sum.image, picture.image);
+      else
+        add_to(sum.image, picture.image, below);
       add_to(sum.stats, picture.stats);
     }
-    if (!last) return;
-    FrameResult sum = std::move(sums_.extract(found).mapped());
-    if (!is_first)
-      for (float& part : sum.image.rgba) part = std::min(part, 1.0F);
-    take_(std::move(sum), view);
+    if (last) take_(std::move(sums_.extract(found).mapped()), view);
   }
   /// Nothing more is added of the view.
   void forget(std::size_t view) { sums_.erase(view); }
 
  private:
+  static void add_to(Image& sum, const Image& more, bool below) {
+    if (below) {
+      sum.height += more.height;
+      sum.rgba.resize(sum.rgba.size() + more.rgba.size(), 0.0F);
+    }
+    float* const rgba = sum.rgba.data() + (sum.rgba.size() - more.rgba.size());
+    for (std::size_t k = 0; k < more.rgba.size(); ++k) rgba[k] = std::min(rgba[k] + more.rgba[k], 1.0F);
+  }
   /// Of one frame after another: each node's slices of one are gone when those of the next are held.
   static void add_to(FrameStats& sum, const FrameStats& more) {
     const auto add = [](std::vector<NodeStats>& nodes, const std::vector<NodeStats>& others) {

@@ -231,7 +231,10 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
         }
         light = lit(s, w, slab, opacity, gradients[front], change);
       }
-      composite(s, slab, at_edges(opacity, light), light);
+      if (p_.projection.values)
+        find_depth(kind, s, w, i, ends.front, ends.back, at_edges(opacity, light), light);
+      else
+        composite(s, slab, at_edges(opacity, light), light);
     }
   }
 
@@ -273,9 +276,42 @@ class GroupPainter : public SheetTiles<Sampler, Rays> {
           slab.spread = mul(part, slab.spread);
           light = lit(s, w, slab, opacity, gradients[front], difference(gradients[back], gradients[front]));
         }
-        composite(s, slab, at_edges(opacity, light), light);
+        if (p_.projection.values)
+          keep_depth(s, i, from, part, at_edges(opacity, light),
+                     [&](F share) HWY_ATTR { return at_edges(Shortened(opacity, share), light); });
+        else
+          composite(s, slab, at_edges(opacity, light), light);
       }
     }
+  }
+
+  /// Piece i, whose numbers go from `front` to `back`, is `opacity` in all.
+  HWY_NOINLINE void find_depth(auto kind, State& s, const Work& w, int i, F front, F back, F opacity,
+                               const Reflected& light) const {
+    const Way way = w.cut ? this->way_in_box(s, i) : Way{set(0.0F), set(1.0F)};
+    const F length = length_in_box(kind, s, w, i), begin = place_of(front);
+    keep_depth(s, i, way.enter, way.length(), opacity, [&](F share) HWY_ATTR {
+      const F place = place_of(fma(share, sub(back, front), front));
+      const F before = p_.depths == nullptr ? OpacityOf(Look(p_.table, entry_of(begin), entry_of(place)))
+                                            : OpacityBetween(p_, begin, place);
+      return at_edges(Shortened(before, mul(share, length)), light);
+    });
+  }
+
+  /// Composites the `part` of piece i behind the share `from` of it, and keeps in red the slice, from the
+  /// middle one, where its opacity exceeds Projection::opacity. Then the pixel is opaque.
+  /// `opacity_before`: what lies before a share of that part.
+  HWY_INLINE void keep_depth(State& s, int i, F from, F part, F opacity, const auto& opacity_before) const {
+    const F one = set(1.0F), before = s.opacity, wanted = set(p_.projection.opacity);
+    const auto with = [&](F more) HWY_ATTR { return fma(sub(one, before), more, before); };
+    const F behind = with(opacity);
+    const M here = but_not(greater(behind, wanted), greater(before, wanted));
+    s.opacity = choose(here, one, behind);
+    if (!any(here)) return;
+    const F share = Base::first_place(
+        set(0.0F), one, 12, [&](F at) HWY_ATTR { return greater(with(opacity_before(at)), wanted); });
+    const float front = slab_->slice[std::size_t(i)], back = slab_->slice[std::size_t(i) + 1];
+    s.red = choose(here, fma(set(back - front), fma(share, part, from), set(front)), s.red);
   }
 
   /// Half-way between two sheets.

@@ -142,10 +142,11 @@ struct SheetPlane {
   float along[3], offset;
 };
 
-/// What a frame's rays project when they composite nothing, in planes' numbers.
+/// What a frame's rays project when they composite nothing, or depths only, in planes' numbers.
 struct Projection {
   Mode mode = Mode::composite;
   bool values = false;   ///< pixels get no colours
+  float opacity = 0;     ///< of Mode::composite's values: the depth's, reached before rays end
   float sign = 1;        ///< of an extremum: 1 of the largest, -1 of the least
   float least = 0;       ///< numbers up to this, or down to it, are no extremum that could be seen
   float most = 0;        ///< so far beyond it nothing more changes the picture

@@ -107,7 +107,7 @@ void PaintedVolume::make_ready() {
   paint_.pitch = planes_.pitch();
   paint_.floats = code.floats;
   paint_.lit = frame_->lit();
-  paint_.adaptive = frame_->sheets.adaptive;
+  paint_.adaptive = frame_->sheets.adaptive && !frame_->shown.values;
   paint_.light_points = frame_->sheets.light_points;
   paint_.opaque_threshold = static_cast<float>(frame_->shown.opaque_threshold);
   paint_.face_pieces = 0.5F * float(frame_->slabs());

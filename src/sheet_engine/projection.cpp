@@ -10,6 +10,9 @@ bool takes_extremum(Mode mode) {
   return mode == Mode::mip || mode == Mode::minip || mode == Mode::attenuated;
 }
 
+/// Whether pixels hold the slice in which something is, from the middle one.
+bool shows_place(Mode mode) { return mode == Mode::surface || mode == Mode::composite; }
+
 /// Of what lies before others: by how many powers of two the last colour's value dims them in a unit length.
 /// The densest of the function's points says so.
 double dimming(const TransferFunction& tf) {
@@ -96,6 +99,7 @@ Projection make_projection(const SheetFrame& frame, const PlaneCode& code) {
   Projection p;
   p.mode = frame.shown.mode;
   p.values = frame.shown.values;
+  p.opacity = float(std::min(frame.shown.depth.value_or(0.5), 1 - 1.0001 * frame.shown.opaque_threshold));
   p.unit = float(frame.step_length() * frame.unit_length() / code.scale);
   if (takes_extremum(p.mode)) {
     const auto [first, last] = ends_of(tf);
@@ -149,22 +153,22 @@ struct PixelColour {
         slice_length(v.frame.step_length() * v.frame.unit_length()) {}
 
   /// Whether rays that have taken nothing show nothing.
-  bool starts_clear() const { return is_surface() || v.colours.at(from).a == 0; }
+  bool starts_clear() const { return is_place() || v.colours.at(from).a == 0; }
 
   glm::vec4 of(float taken, bool found, const PixelRay& ray, double crossed, const SheetRays& rays) const {
     const FrameGeometry& g = v.frame.geometry;
     double value = from + of_number * taken;
     if (v.projection.mode == Mode::mean) value /= crossed * slice_length * ray.step(rays);
-    // The depth behind the plane through the volume's middle, in world lengths.
-    if (is_surface()) value = g.view.project(ray.at(taken, g)).z / g.view.pixels_per_unit;
-    if (is_surface() ? !found : !(crossed > 0)) return glm::vec4(0);
+    // Behind the plane through the volume's middle, in world lengths.
+    if (is_place()) value = g.view.project(ray.at(taken, g)).z / g.view.pixels_per_unit;
+    if (is_place() ? !found : !(crossed > 0)) return glm::vec4(0);
     if (v.projection.values) return {glm::vec3(float(value)), 1};
     const glm::vec4 colour = v.colours.at(value);
     return v.labels.plane == nullptr ? colour : tinted(colour, ray, rays);
   }
 
  private:
-  bool is_surface() const { return v.projection.mode == Mode::surface; }
+  bool is_place() const { return shows_place(v.projection.mode); }
   glm::vec4 tinted(const glm::vec4& colour, const PixelRay& ray, const SheetRays& rays) const {
     const auto voxel = [&](int i) {
       return std::clamp(std::int64_t(std::floor(ray.from[i] + 0.5)), std::int64_t{0},
@@ -184,7 +188,7 @@ struct PixelColour {
 void colour_region(std::span<const ProjectedVolume> volumes, const SheetRays& rays, RegionImage& image,
                    RegionImage* more) {
   const auto& first = volumes.front();
-  if (first.projection.mode == Mode::surface && !first.projection.values) return;
+  if (shows_place(first.projection.mode) && !first.projection.values) return;
   const std::vector<PixelColour> colours(volumes.begin(), volumes.end());
   if (!image.touched() && std::ranges::all_of(colours, &PixelColour::starts_clear)) return;
   const FrameGeometry& g = first.frame.geometry;
@@ -199,7 +203,7 @@ void colour_region(std::span<const ProjectedVolume> volumes, const SheetRays& ra
       glm::vec4 sum(0);
       for (std::size_t c = 0; c < colours.size(); ++c) {
         const float taken = c < 3 ? pixel[c] : more_row[4 * (x - rect.x0) + std::ptrdiff_t(c) - 3];
-        sum += colours[c].of(taken, pixel[3] > 0, ray, crossed, rays);
+        sum += colours[c].of(taken, pixel[3] == 1, ray, crossed, rays);
       }
       if (colours.size() > 1) sum = glm::min(sum, glm::vec4(1));
       for (int c = 0; c < 4; ++c) pixel[c] = sum[c];

@@ -356,13 +356,8 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, State> {
 
   /// Halves the way from a place `inside` tells the side of to one on the other side.
   HWY_INLINE F crossing(const RayCubic& values, F from, F to, M inside) const {
-    for (int round = 0; round < 20; ++round) {
-      const F middle = mul(set(0.5F), add(from, to));
-      const M beyond = differs(above(values.at(middle)), inside);
-      from = choose(beyond, from, middle);
-      to = choose(beyond, middle, to);
-    }
-    return to;
+    return Base::first_place(from, to, 20,
+                             [&](F at) HWY_ATTR { return differs(above(values.at(at)), inside); });
   }
 
   HWY_INLINE void show_surface(State& s, const Walk& walk, const PlanePair& planes, const Part& part, F at,

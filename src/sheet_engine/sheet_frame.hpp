@@ -18,7 +18,7 @@ struct SheetFrame : SharedFrame {
   /// transfer function.
   std::vector<std::shared_ptr<const SheetFrame>> others;
 
-  bool shaded() const { return shown.shading == Shading::phong; }
+  bool shaded() const { return shown.shading == Shading::phong && !shown.values; }
   /// Whether colours or opacities go by gradients.
   bool lit() const {
     return shaded() ? composites() || shown.mode == Mode::surface : composites() && shown.edges;

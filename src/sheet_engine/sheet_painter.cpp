@@ -107,7 +107,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void gather(int, std::span<const std::byte> bytes) override { layers_.add(bytes); }
 
   void finish(const std::function<void(int, Bytes)>& deliver) override {
-    if (!frame_->composites()) colour_projection();
+    if (!frame_->composites() || frame_->shown.values) colour_projection();
     if (geometry().layers.slices > 0)
       layers_.deliver(deliver);
     else

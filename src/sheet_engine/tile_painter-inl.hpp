@@ -190,6 +190,17 @@ class TilePainter {
   }
   static Reflected unlit() { return {set(1.0F), set(0.0F), set(1.0F)}; }
 
+  /// Halves the way from a place to one that lies `beyond` what is looked for, so often.
+  static HWY_INLINE F first_place(F from, F to, int halvings, const auto& beyond) {
+    for (int round = 0; round < halvings; ++round) {
+      const F middle = mul(set(0.5F), add(from, to));
+      const M here = beyond(middle);
+      from = choose(here, from, middle);
+      to = choose(here, middle, to);
+    }
+    return to;
+  }
+
   const SheetPaint& p_;
   const PixelGroup& group_;
   Rays rays_;

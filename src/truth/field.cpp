@@ -34,12 +34,17 @@ class FieldIntegrator : Tracer {
     Piece seen;
     for (const Crossing& crossing : crossings(ray)) {
       if (seen.transmittance < 0.1 * tolerance_) break;
-      integrate_crossing(ray, crossing, seen);
+      if (const auto deep = integrate_crossing(ray, crossing, seen)) return depth(ray, *deep);
     }
-    return Rgba(seen.colour, 1 - seen.transmittance);
+    return shown_.values ? Rgba(0.0) : Rgba(seen.colour, 1 - seen.transmittance);
   }
 
  private:
+  /// How far a place is behind the plane through the volume's middle.
+  Rgba depth(const LatticeRay& ray, double s) const {
+    return Rgba(glm::dvec3(rays_.view().project(ray.at(s)).z / rays_.view().pixels_per_unit), 1);
+  }
+
   /// The cells along a ray, front to back.
   std::vector<Crossing> crossings(const LatticeRay& ray) const {
     const std::vector<Cut> cuts = cuts_along(scene_, ray);
@@ -133,9 +138,7 @@ class FieldIntegrator : Tracer {
         const double a = monotone[i], b = monotone[i + 1], value = shown_.isovalue;
         if ((cubic->at(a) >= value) == (cubic->at(b) >= value)) continue;
         const double s = std::lerp(crossing.enter, crossing.leave, crossing_of(*cubic, value, a, b));
-        const ViewTransform& view = rays_.view();
-        // How far it is behind the plane through the volume's middle.
-        if (shown_.values) return Rgba(glm::dvec3(view.project(ray.at(s)).z / view.pixels_per_unit), 1);
+        if (shown_.values) return depth(ray, s);
         glm::dvec3 colour = curve_.at(value).colour;
         if (scene_.shaded())
           colour = phong_.shade(
@@ -148,9 +151,11 @@ class FieldIntegrator : Tracer {
     return Rgba(0.0);
   }
 
-  void integrate_crossing(const LatticeRay& ray, const Crossing& crossing, Piece& seen) const {
+  /// Returns where the depth is, if it is wanted and here.
+  std::optional<double> integrate_crossing(const LatticeRay& ray, const Crossing& crossing,
+                                           Piece& seen) const {
     const auto values = cell_values(scene_, curve_, crossing.shown);
-    if (!values || !curve_.visible(values->low, values->high)) return;
+    if (!values || !curve_.visible(values->low, values->high)) return std::nullopt;
     Corners<glm::dvec3> normals{};
     if (scene_.needs_gradients()) normals = cell_normals(gradients_, crossing.cell);
 
@@ -170,8 +175,19 @@ class FieldIntegrator : Tracer {
       const double a = cuts[i], b = cuts[i + 1];
       if (!(a < b)) continue;
       const double share = tolerance_ * (b - a) / (ray.leave - ray.enter);
-      seen = behind(seen, integrate(medium_at, a, b, share / seen.transmittance));
+      const auto up_to = [&](double s) {
+        return behind(seen, integrate(medium_at, a, s, share / seen.transmittance));
+      };
+      const Piece next = up_to(b);
+      if (const double left = 1 - shown_.depth.value_or(0.5); shown_.values && next.transmittance <= left) {
+        double front = a, back = b;
+        for (double s = 0.5 * (a + b); front < s && s < back; s = 0.5 * (front + back))
+          (up_to(s).transmittance <= left ? back : front) = s;
+        return back;
+      }
+      seen = next;
     }
+    return std::nullopt;
   }
 
   /// Ends of a crossing's smooth pieces: inside each, the value crosses no knot, and light and viewer stay on
@@ -209,8 +225,8 @@ ScreenBounds field_bounds(const Scene& scene) { return Rays(scene).bounds(); }
 std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, std::span<const Pixel> pixels,
                                  double tolerance) {
   const Shown& shown = scene.frame.shown;
-  if (shown.edges || !shown.tints.empty())
-    throw InputError("a formula's truth knows neither --tf2d nor --mask-as", "leave it out");
+  if (shown.edges || !shown.tints.empty() || shown.values)
+    throw InputError("a formula's truth knows neither --tf2d nor --mask-as nor --depth", "leave it out");
   if (shown.clip) check(*shown.clip, scene.grid);
   const Tracer tracer(scene);
   const glm::dvec3 dims(scene.grid.dims);

@@ -23,7 +23,7 @@ namespace ringsplat::truth {
 /// A ray is cut where it crosses from cell to cell, where the value crosses a point of the transfer function,
 /// and where the surface turns away from the light or the viewer: between those the integrand is smooth.
 /// Pieces are halved until the Lobatto rule of order eight changes by less than its share of `tolerance`, the
-/// error allowed in the final colour. All cores.
+/// error allowed in the final colour. A depth is found by halving the piece that it is in. All cores.
 ///
 /// In the other modes nothing is integrated by rule: values are cubic along a ray inside a cell, so their
 /// extrema, integral, and first crossing of a value follow in closed form. What lies beside not-a-number

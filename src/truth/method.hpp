@@ -49,9 +49,10 @@ ScreenBounds splat_method_bounds(const Scene& scene);
 std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> pixels);
 
 /// What the frame's method draws, without the renderer's arithmetic: the truth of splats or of sheets, which
-/// are exact in all modes but compositing.
+/// are exact in all modes but compositing, of which depths are the field's.
 inline std::vector<Rgba> method_truth(const Scene& scene, std::span<const Pixel> pixels) {
-  if (scene.frame.shown.mode != Mode::composite) return field_truth(scene, pixels);
+  if (scene.frame.shown.mode != Mode::composite || scene.frame.shown.values)
+    return field_truth(scene, pixels);
   return scene.of_sheets() ? sheet_method_truth(scene, pixels) : splat_method_truth(scene, pixels);
 }
 

@@ -39,7 +39,7 @@ struct Scene {
   };
   std::optional<CutFrom> cut_from = std::nullopt;
   std::vector<std::uint8_t> labels = {};  ///< a segmentation's, as many as `values`; none: there is none
-  bool shaded() const { return frame.shown.shading == Shading::phong; }
+  bool shaded() const { return frame.shown.shading == Shading::phong && !frame.shown.values; }
   bool needs_gradients() const { return shaded() || frame.shown.edges; }
   bool of_sheets() const { return std::holds_alternative<Sheets>(frame.how); }
   bool nearest() const { return frame.shown.interpolation == Interpolation::nearest; }

@@ -90,8 +90,13 @@ TEST_CASE("sheets draw the same bits for any ranks, regions, roles and order of 
     for (const auto& [sheets, interpolation] : cases) {
       FrameSpec spec = sheets_view(camera, sheets);
       spec.shown.interpolation = interpolation;
+      const Image plain = render_loopback(*source, spec, 1, 1).image;
+      spec.shown.depth = 0.05;
       const Image alone = render_loopback(*source, spec, 1, 1).image;
       REQUIRE(shows_something(alone));
+      REQUIRE(std::ranges::count_if(alone.depth, [](float z) { return std::isfinite(z); }) > 30);
+      CHECK(alone.rgba == plain.rgba);
+      CHECK(render_loopback(*source, spec, mesh_layout(2, 3, 6), {.reorder = true}).image == alone);
       for (const auto& [gps, renderers, region_size] : {std::tuple{3, 2, 0}, {1, 4, 0}, {5, 7, 20}})
         for (const auto placement : {Placement::dedicated, Placement::colocated}) {
           const LoopbackOptions shuffled{.seed = std::uint64_t(gps), .reorder = true};
@@ -129,6 +134,7 @@ TEST_CASE("sheets draw the same bits with every vector instruction set and any n
       FrameSpec spec = sheets_view(camera, sheets);
       spec.shown.interpolation = nearest ? Interpolation::nearest : Interpolation::linear;
       spec.shown.transfer_function = layered ? thin_layers(scale) : two_bands(scale);
+      spec.shown.depth = 0.05;
       const Image best = render_loopback(*source, spec, 1, 1).image;
       INFO(fmt::format("{} values, azimuth {}, {} slabs", to_string(type), camera.azimuth, sheets.slabs));
       REQUIRE(shows_something(best));

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <numeric>
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
@@ -97,6 +98,30 @@ Volume noise(ScalarType type, double scale, glm::ivec3 dims = {9, 7, 8}) {
   std::mt19937 random(7);
   return make_volume(dims, type, [&](int, int, int) { return scale * double(random() % 256) / 255; },
                      {1, 0.6, 2});
+}
+
+FrameSpec depth_spec(const TransferFunction& tf, const Camera& camera, double opacity) {
+  FrameSpec spec = mode_spec(Mode::composite, camera, 0, 1);
+  spec.shown.transfer_function = tf;
+  spec.shown.depth = opacity;
+  return spec;
+}
+
+Image true_depths(const Volume& volume, const FrameSpec& spec) {
+  Image image;
+  take_depths(image, field_image(volume, depth_frame_of(spec)));
+  return image;
+}
+
+std::size_t depths_of(const Image& image) {
+  return std::size_t(std::ranges::count_if(image.depth, [](float z) { return std::isfinite(z); }));
+}
+
+/// How many differ by `within` world lengths or more, or are in one picture only.
+std::size_t depths_apart(const Image& a, const Image& b, double within) {
+  REQUIRE(a.depth.size() == b.depth.size());
+  return std::inner_product(a.depth.begin(), a.depth.end(), b.depth.begin(), std::size_t{0}, std::plus(),
+                            [=](float x, float y) { return x == y || std::abs(x - y) < within ? 0 : 1; });
 }
 
 }  // namespace
@@ -264,7 +289,92 @@ TEST_CASE("what cannot be drawn in a mode is refused") {
   spec.how = Sheets{};
   spec.shown.interpolation = Interpolation::nearest;
   CHECK_THROWS_WITH(check(spec), Catch::Contains("--mode mip needs values between voxels"));
-  spec = mode_spec(Mode::composite, cameras[0], 0, 1);
+  spec = mode_spec(Mode::mip, cameras[0], 0, 1);
+  spec.shown.depth = 0.5;
+  CHECK_THROWS_WITH(check(spec), Catch::Contains("--mode mip shows nothing that lies at one depth"));
+  spec.shown.mode = Mode::composite;
+  spec.how = Splats{};
+  CHECK_THROWS_WITH(check(spec), Catch::Contains("splats have no depth"));
+  spec.how = Sheets{.layers = 8};
   spec.shown.values = true;
-  CHECK_THROWS_WITH(check(spec), Catch::Contains("--values has no effect on composited light"));
+  CHECK_THROWS_WITH(check(spec), Catch::Contains("no layers to composite"));
+  spec.shown.depth = 1;
+  CHECK_THROWS_WITH(check(spec), Catch::Contains("is no opacity that every ray could reach"));
+}
+
+TEST_CASE("in a homogenous box an opacity is reached after the length that it takes") {
+  const Volume volume =
+      make_volume({30, 26, 22}, ScalarType::uint8, [](int, int, int) { return 100; }, {0.5, 0.5, 1});
+  for (const Camera& camera : cameras)
+    for (const auto& [opacity, threshold, reached] :
+         {std::tuple{0.5, 0.0, 0.5}, {0.8, 1.0 / 512, 0.8}, {0.8, 0.75, 0.25}}) {
+      FrameSpec spec = depth_spec(constant_opacity(0.1), camera, opacity);
+      spec.shown.opaque_threshold = threshold;
+      Image expected;
+      const truth::Scene scene = scene_of(volume, spec);
+      const truth::Rays rays(scene);
+      for (const truth::Pixel& pixel : truth::all_pixels(41, 41)) {
+        const truth::LatticeRay ray = rays.through(pixel);
+        const double at = ray.enter + std::log1p(-reached) / std::log1p(-0.1);
+        expected.depth.push_back(at < ray.leave
+                                     ? float(rays.view().project(ray.at(at)).z / rays.view().pixels_per_unit)
+                                     : INFINITY);
+      }
+      CHECK(depths_of(expected) > 100);
+      const auto source = memory_source(volume.grid, volume.bytes);
+      CHECK(depths_apart(render_loopback(*source, spec, 1, 1).image, expected, 2e-3) < 3);
+      if (reached == opacity) CHECK(depths_apart(true_depths(volume, spec), expected, 1e-5) == 0);
+    }
+}
+
+TEST_CASE("a ball's depth is that of its surface, composited or as a surface") {
+  const Volume volume = sample_field(
+      40, [](double x, double y, double z) { return 200 * (0.5 - glm::length(glm::dvec3(x, y, z) - 0.5)); });
+  FrameSpec spec = depth_spec(constant_opacity(1, 30), cameras[0], 0.5);
+  const double pixel = 1 / truth::view_of(scene_of(volume, spec)).pixels_per_unit;
+  for (const auto& [mode, within] : {std::pair{Mode::composite, 0.25}, {Mode::surface, 0.03}}) {
+    spec.shown.mode = mode;
+    spec.shown.isovalue = 30;
+    const Image image = rendered(volume, spec);
+    for (int k = 0; k < 41 * 41; ++k) {
+      const double beside = pixel * glm::length(glm::dvec2(k % 41, k / 41) - 20.0);
+      if (beside < 10)
+        CHECK(image.depth[std::size_t(k)] ==
+              Approx(-std::sqrt(14.0 * 14.0 - beside * beside)).margin(within));
+    }
+  }
+}
+
+TEST_CASE("sheets find the field's depths to a twentieth of a voxel, and with jumps to a fifth") {
+  struct {
+    ScalarType type;
+    double scale, within;
+    std::function<void(Shown&)> change;
+  } const cases[] = {
+      {ScalarType::float32, 1e-3, 0.05, [](Shown&) {}},
+      {ScalarType::uint8, 1, 0.05, [](Shown& s) { s.depth = 0.9; }},
+      {ScalarType::uint8, 1, 0.005, [](Shown& s) { s.interpolation = Interpolation::nearest; }},
+      {ScalarType::uint8, 1, 0.05,
+       [](Shown& s) {
+         s.edges = EdgeOpacity{10, 60};
+       }},
+      {ScalarType::uint8, 1, 0.05,
+       [](Shown& s) {
+         s.clip_planes = {{{1, -0.5, 0.3}, -1}};
+       }},
+      {ScalarType::uint8, 1, 0.05,
+       [](Shown& s) {
+         s.clip = VoxelBox{{2, 3, 1}, {11, 14, 16}};
+       }},
+      {ScalarType::uint8, 1, 0.2, [](Shown& s) { s.transfer_function = constant_opacity(0.9, 90); }}};
+  for (const auto& [type, scale, within, change] : cases)
+    for (const Camera& camera : cameras) {
+      const auto value = [&, times = scale](int x, int y, int z) { return times * noisy_lump(x, y, z); };
+      const Volume volume = make_volume(lump_dims, type, value, lump_spacing);
+      FrameSpec spec = depth_spec(ramp(20 * scale, 250 * scale, 0.5), camera, 0.5);
+      change(spec.shown);
+      const Image truth = true_depths(volume, spec);
+      CHECK(depths_of(truth) > 60);
+      CHECK(depths_apart(rendered(volume, spec), truth, within) <= depths_of(truth) / 30);
+    }
 }

@@ -13,6 +13,7 @@ struct Image {
 
   int width = 0, height = 0;
   Floats rgba;
+  Floats depth;  ///< where Shown::depth asks for it, else none: a number a pixel, infinite where nothing is
 
   Image() = default;
   /// A fully transparent image.

@@ -60,10 +60,13 @@ struct Shown {
   Interpolation interpolation = Interpolation::linear;
   Mode mode = Mode::composite;
   double isovalue = 0;  ///< of Mode::surface
-  /// Not with Mode::composite: pixels hold in red, green and blue what their ray has, in alpha 1 where it has
-  /// something. Extrema, as far as the transfer function's points reach; means; integrals over world lengths;
-  /// a surface's distance behind the plane through the volume's middle that is parallel to the picture.
+  /// Pixels hold in red, green and blue what their ray has, in alpha 1 where it has something. Extrema, as
+  /// far as the transfer function's points reach; means; integrals over world lengths; of Mode::surface and
+  /// Mode::composite depths: world lengths along the view, behind the plane through the volume's middle.
   bool values = false;
+  /// The picture gets depths, too (Image::depth): of a surface, or with Mode::composite of where a ray's
+  /// opacity reaches this, above 0 and below 1; with `values` and none half. By sheets, and a second frame.
+  std::optional<double> depth = std::nullopt;
   Shading shading = Shading::phong;
   PhongMaterial material;
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
