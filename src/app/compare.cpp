@@ -16,12 +16,33 @@ namespace {
 
 constexpr const char* channel_names[] = {"red", "green", "blue", "alpha"};
 
+/// How far depths are apart, in their own unit, where both pictures have one; and where one alone has.
+struct DepthError {
+  double rmse = 0, largest = 0;
+  std::size_t pixels = 0, alone = 0;
+};
+
+DepthError depth_error(const Image::Floats& a, const Image::Floats& b) {
+  DepthError e;
+  for (std::size_t k = 0; k < std::min(a.size(), b.size()); ++k) {
+    const double apart = std::abs(double(a[k]) - double(b[k]));
+    if (std::isinf(apart)) ++e.alone;
+    if (!std::isfinite(apart)) continue;
+    ++e.pixels;
+    e.rmse += apart * apart;
+    e.largest = std::max(e.largest, apart);
+  }
+  e.rmse = std::sqrt(e.rmse / double(e.pixels));
+  return e;
+}
+
 /// The figures printed for two pictures.
 struct Comparison {
   truth::ImageError error;
   int channels;  ///< 3: neither picture has alpha
   std::uint64_t pixels;
   bool linear, failed;
+  DepthError depth = {};
 };
 
 /// Infinite and undefined figures become null, as JSON has no such numbers.
@@ -42,6 +63,8 @@ std::string to_json_text(const CompareOptions& o, const Comparison& c) {
   j["fraction_over"] = c.error.over_threshold;
   for (int k = 0; k < c.channels; ++k)
     j["channels"][channel_names[k]] = to_json(c.error.channels[std::size_t(k)]);
+  if (const auto& d = c.depth; d.pixels + d.alone > 0)
+    j["depth"] = {{"rmse", d.rmse}, {"largest", d.largest}, {"pixels", d.pixels}, {"alone", d.alone}};
   j["failed"] = c.failed;
   return plain_json_text(std::move(j), 2);
 }
@@ -59,6 +82,9 @@ std::string to_text(const CompareOptions& o, const Comparison& c) {
       "largest at ({}, {}); {:.4g} % of {} pixels differ by more than {:g}/255; {} premultiplied values\n",
       c.error.worst.x, c.error.worst.y, 100 * c.error.over_threshold, c.pixels, o.threshold,
       c.linear ? "linear" : "display (sRGB)");
+  if (const auto& d = c.depth; d.pixels + d.alone > 0)
+    text += fmt::format("depths: RMSE {:.6g}, largest {:.6g} at {} pixels; {} have one in one picture only\n",
+                        d.rmse, d.largest, d.pixels, d.alone);
   return text;
 }
 
@@ -97,6 +123,7 @@ ExitCode run(const CompareOptions& o) {
   const int channels = a.has_alpha || b.has_alpha ? 4 : 3;
   Comparison c{truth::compare(a.image, b.image, channels, o.threshold), channels,
                std::uint64_t(a.image.width) * std::uint64_t(a.image.height), a.linear, false};
+  c.depth = depth_error(a.image.depth, b.image.depth);
   c.failed = o.fail_above && !(c.error.total.rmse <= *o.fail_above);
   write_text_output("-", o.json ? to_json_text(o, c) + "\n" : to_text(o, c));
   if (!o.difference.empty()) write_difference(o, a.image, b.image);

@@ -66,8 +66,13 @@ ExitCode run(const ReferenceOptions& o) {
     scene.frame = spec;
     const double start = now_seconds();
     progress.begin("evaluating the truth", 1);
-    const Image image = truth::to_image(spec.shown.width, spec.shown.height,
-                                        evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
+    const auto true_image = [&] {
+      return truth::to_image(spec.shown.width, spec.shown.height,
+                             evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
+    };
+    Image image = true_image();
+    scene.frame.shown.values = true;
+    if (spec.shown.depth) take_depths(image, true_image());
     progress.end();
     write_image(image, file_of_view(o.picture, o.picture.output, k), o.picture.background,
                 settings_text(spec, o));

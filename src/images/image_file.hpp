@@ -22,6 +22,7 @@ struct ImageShape {
   SampleType type;
   std::string type_name;  ///< as OpenImageIO calls it
   std::uint64_t bytes;    ///< of all samples, uncompressed
+  int depth_channel;      ///< below 0: none
 };
 
 /// A file open for reading. Not for several threads at once.
@@ -51,7 +52,7 @@ OpenedImageFile open_image_file(const std::filesystem::path& path);
 
 /// An image to be written.
 struct ImageData {
-  int width, height, channels;  ///< of four the last is alpha
+  int width, height, channels;  ///< red, green, blue and, if more, alpha; and depth
   SampleType type;              ///< in memory and, where the format has it, in the file
   const void* samples;          ///< rows from the top, pixel by pixel
   struct Attribute {
@@ -59,6 +60,7 @@ struct ImageData {
     std::variant<int, std::string> value;
   };
   std::vector<Attribute> attributes;  ///< with OpenImageIO's names
+  bool has_depth = false;             ///< in the last channel
 };
 
 /// The bytes of an image file; the path's ending names the format. Throws RunError naming the file and the

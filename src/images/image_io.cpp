@@ -122,6 +122,7 @@ Image as_rgba(const ImageShape& shape, const std::vector<float>& values) {
     float* to = image.rgba.data() + 4 * p;
     for (int c = 0; c < 3; ++c) to[c] = from[grey ? 0 : c];
     to[3] = alpha >= 0 ? from[alpha] : 1.0F;
+    if (shape.depth_channel >= 0) image.depth.push_back(from[shape.depth_channel]);
   }
   return image;
 }
@@ -136,6 +137,7 @@ struct FilePixels {
              linear.data(),      attributes_of(format, settings)} {
     if (format.linear_float) {
       lay_over(overlay, image.width, image.height, data.channels, std::span<float>(linear));
+      if (!image.depth.empty()) add_depth(image.depth);
       return;
     }
     display = display_pixels(linear, std::size_t(data.channels));
@@ -144,6 +146,19 @@ struct FilePixels {
   }
   FilePixels(const FilePixels&) = delete;
   FilePixels& operator=(const FilePixels&) = delete;
+
+  void add_depth(const Image::Floats& depth) {
+    Image::Floats all;
+    all.reserve(linear.size() + depth.size());
+    for (auto pixel = linear.begin(); const float z : depth) {
+      for (int c = 0; c < data.channels; ++c) all.push_back(*pixel++);
+      all.push_back(z);
+    }
+    linear = std::move(all);
+    data.samples = linear.data();
+    ++data.channels;
+    data.has_depth = true;
+  }
 
   Image::Floats linear;
   std::vector<std::uint8_t> display;

@@ -96,6 +96,11 @@ const Rule all_rules[] = {
     {"--cores --machine", needs, "--ranks", "add --ranks N"},
     {"--isovalue", needs, "--mode=surface", "add --mode surface"},
     {"--values", needs, "--mode --slice", "add --mode sum or another"},
+    {"--values", excludes, "--mode=composite --depth", "use --depth alone, which keeps the colours"},
+    {"--depth", excludes,
+     "--channel=several --slice --truth=certified --truth=analytic --mode=mip --mode=attenuated --mode=minip "
+     "--mode=mean --mode=sum",
+     "depths are of light or a surface, and of one volume: leave one out"},
     {without_light, excludes, "--tf2d", "only light through the volume goes by opacities: leave one out"},
     {"--mask-as", needs, "--mask", "name the segmentation by --mask FILE"},
     {"--mask-as=tint --mask-as=outline", excludes,

@@ -79,8 +79,9 @@ void add_reference_options(OptionList& list, ReferenceOptions& o) {
 }
 
 void settle_picture(const OptionList& list, RenderOptions& o) {
-  if (o.colour.values && !o.output.empty() && !detail::lower_case(o.output).ends_with(".exr"))
-    throw InputError(fmt::format("-o {} cannot hold --values", o.output), "write an .exr");
+  const char* const numbers = o.colour.values ? "--values" : o.frame.shown.depth ? "--depth" : nullptr;
+  if (numbers != nullptr && !o.output.empty() && !detail::lower_case(o.output).ends_with(".exr"))
+    throw InputError(fmt::format("-o {} cannot hold {}", o.output, numbers), "write an .exr");
   settle_fit(list, o);
   o.frame.how = method_for(o.method);
   // Of fluorescence the largest values show most, where the other options allow a mode.

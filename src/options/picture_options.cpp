@@ -312,6 +312,11 @@ void add_picture_options(OptionList& list, RenderOptions& o) {
        "value, or integral over length; of surface the distance behind the plane through the volume's "
        "middle; alpha is 1 where there are any",
        flag(o.colour.values)},
+      {"--depth", "OPACITY", nullptr,
+       "A channel Z in the .exr, for merging pictures: how far, in world lengths, where a ray's opacity "
+       "reaches this (0.5, say), or the first surface, is behind the plane through the volume's middle; "
+       "infinite where nothing is",
+       value(o.frame.shown.depth), Mark::of_sheets},
       {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
        value(o.method.splats.kernel_radius), Mark::of_splats},
       {"--region", "N", nullptr,

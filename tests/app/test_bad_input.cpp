@@ -182,6 +182,15 @@ const std::vector<Case> contradictions{
     {"render {in}/stack -o {in}/stack/1.png", "among the slices of the volume"},
     {"+ --config {in}/contradiction.toml --path {in}/bad_path.csv", "--orbit and --path"},
     {"+ --dims 4x4x4", "only --spacing"},
+    {"+ --depth 0.5", "cannot hold --depth"},
+    {"render {in}/good.nrrd -o {out}/x.exr --depth 1", "--depth 1 is no opacity"},
+    {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --mode mip", "--depth and --mode contradict"},
+    {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --slice x=1", "--depth and --slice contradict"},
+    {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --channel 0,1", "--depth and --channel contradict"},
+    {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --quality paper", "--depth has no effect on splats"},
+    {"render {in}/good.nrrd -o {out}/x.exr --values --mode composite", "--values and --mode contradict"},
+    {"reference {in}/good.nrrd -o {out}/x.exr --depth 0.5 --truth certified",
+     "--depth and --truth contradict"},
 };
 
 const std::vector<Case> volume_cases{

@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "app/program_runner.hpp"
+#include "images/image_file.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 
@@ -44,6 +45,19 @@ TEST_CASE("EXR keeps every bit", "[mpi]") {
   CHECK(back.image == image);
   CHECK(back.linear);
   CHECK(back.settings == R"({"zoom": 2})");
+}
+
+TEST_CASE("EXR keeps depths in a channel Z, with alpha or over a background", "[mpi]") {
+  const TemporaryFolder folder;
+  Image image = ramp(9);
+  image.depth.assign(81, INFINITY);
+  image.depth[40] = -12.5F;
+  for (const auto& background : {std::optional<glm::dvec3>(), std::optional(glm::dvec3(1.0))}) {
+    write_image(image, folder / "x.exr", background, "");
+    CHECK(open_image_file(folder / "x.exr").file->shape().depth_channel == (background ? 3 : 4));
+    const StoredImage back = read_image(folder / "x.exr");
+    CHECK((background ? back.image.depth == image.depth : back.image == image));
+  }
 }
 
 TEST_CASE("8-bit pictures are straight sRGB, rounded to nearest", "[mpi]") {

@@ -36,6 +36,17 @@ def test_copies_are_made_when_they_are_asked_for(image):
         image.__array__(dtype=np.float64, copy=False)
 
 
+def test_depths_lie_beside_its_colours(image):
+    assert image.depth is None
+    deep = rs.render(VOLUME, size=(40, 30), tf="auto", depth=0.2)
+    assert np.array_equal(np.asarray(deep), np.asarray(image))
+    assert deep.depth.shape == (30, 40) and deep.depth.dtype == np.float32
+    there = np.isfinite(deep.depth)
+    # Rounding apart, rays that end so opaque have a depth, inside of the volume.
+    assert np.array_equal(there, np.asarray(image)[..., 3] > 0.2) and there.sum() > 100
+    assert np.abs(deep.depth[there]).max() < 13 and (deep.depth[~there] == np.inf).all()
+
+
 def test_its_array_outlives_it():
     array = np.asarray(rs.render(VOLUME, size=16))
     before = array.copy()

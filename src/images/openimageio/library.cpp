@@ -42,9 +42,11 @@ class OpenedFile final : public ImageFile {
 
   ImageShape shape() const override {
     const OIIO::ImageSpec& spec = input_->spec();
-    return {spec.width,          spec.height,           spec.depth,
-            spec.nchannels,      spec.alpha_channel,    sample_type(spec.format),
-            spec.format.c_str(), spec.image_bytes(true)};
+    return {spec.width,          spec.height,
+            spec.depth,          spec.nchannels,
+            spec.alpha_channel,  sample_type(spec.format),
+            spec.format.c_str(), spec.image_bytes(true),
+            spec.z_channel};
   }
 
   std::string text(const std::string& name) const override {
@@ -84,6 +86,10 @@ OIIO::ImageSpec spec_of(const ImageData& image, const StandIn& stand_in) {
       spec.attribute(name, !text->empty() && *text == stand_in.text ? stand_in.given : *text);
     else
       spec.attribute(name, std::get<int>(value));
+  if (!image.has_depth) return spec;
+  spec.z_channel = image.channels - 1;
+  spec.channelnames.back() = "Z";
+  if (spec.alpha_channel == spec.z_channel) spec.alpha_channel = -1;
   return spec;
 }
 

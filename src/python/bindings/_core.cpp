@@ -162,6 +162,7 @@ std::vector<std::pair<std::string, std::string>> named(const std::vector<Named>&
 
 void bind_pictures(nb::module_& m) {
   using Pixels = nb::ndarray<nb::numpy, const float, nb::shape<-1, -1, 4>>;
+  using Depths = nb::ndarray<nb::numpy, const float, nb::shape<-1, -1>>;
   nb::class_<app::MeasuredError>(m, "MeasuredError")
       .def_prop_ro("truth", [](const app::MeasuredError& e) { return app::name(e.truth); })
       .def_prop_ro("rms", [](const app::MeasuredError& e) { return e.error.rmse; })
@@ -185,6 +186,14 @@ void bind_pictures(nb::module_& m) {
             const auto& p = nb::cast<const Picture&>(self);
             return Pixels(p.image.rgba.data(), {std::size_t(p.image.height), std::size_t(p.image.width), 4},
                           self);
+          },
+          nb::rv_policy::reference)
+      .def(
+          "depth",
+          [](nb::handle self) {
+            const Image& image = nb::cast<const Picture&>(self).image;
+            const std::size_t rows = image.depth.empty() ? 0 : std::size_t(image.height);
+            return Depths(image.depth.data(), {rows, std::size_t(image.width)}, self);
           },
           nb::rv_policy::reference)
       .def("display",

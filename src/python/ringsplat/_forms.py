@@ -85,7 +85,7 @@ def _path(value: Any) -> list[str]:
 
 # What the command line calls a value: the Python types, and its words.
 FORMS = {
-    **dict.fromkeys(("FLOAT", "DEGREES", "RADII", "RMSE", "F"), ("float", _one)),
+    **dict.fromkeys(("FLOAT", "DEGREES", "RADII", "RMSE", "F", "OPACITY"), ("float", _one)),
     **dict.fromkeys(("INT", "UINT", "N", "T", "BYTES"), ("int", _one)),
     **dict.fromkeys(("NAME", "TYPE", "SIZE", "AXIS=PLACE|plane:NX,NY,NZ,D"), ("str", _text)),
     "N|NAME,...|all": ("int | str | Sequence[int | str]", _list),

@@ -47,6 +47,12 @@ class Image:
         return np.dtype(np.float32)
 
     @property
+    def depth(self) -> Optional[np.ndarray]:
+        """Of a picture with the option `depth`: float32, (height, width), in world lengths; infinite where nothing is."""
+        depth = self._picture.depth()
+        return depth if depth.size else None
+
+    @property
     def seconds(self) -> float:
         """From when the picture was asked for to when it was drawn; without loading."""
         return self._picture.seconds
