@@ -20,7 +20,8 @@ FILES = [*(f"nilearn/nilearn/datasets/data/mni_icbm152_{kind}_tal_nlin_sym_09a_c
          *(f"pyvista/pyvista/examples/{name}" for name in ("uniform.vtk", "frog_tissues.vti", "channels.vti")),
          *(f"pydicom/pydicom/data/test_files/{name}" for name in ("emri_small.dcm", "CT_small.dcm", "rtdose.dcm")),
          *(f"scikit-image/skimage/data/multipage{kind}.tif" for kind in ("", "_rgb"))]
-MODES = ("composite", "mip", "attenuated", "minip", "mean", "sum", "surface")
+MODES = ("composite", "mip", "attenuated", "minip", "mean", "sum", "surface", "channels", "materials")
+CHANNELS = {"channels": ("--channel", "all"), "materials": ("--channel", "all", "--materials")}
 STYLE = """<style>
 body { display: flex; flex-wrap: wrap; font: 12px monospace }
 figure { width: 320px; margin: 4px }
@@ -33,7 +34,7 @@ figcaption { white-space: pre-wrap; max-height: 9em; overflow: auto }
 def main(words):
     arguments = parser(__doc__)
     arguments.add_argument("--no-packages", action="store_true", help="only what is named")
-    arguments.add_argument("--modes", action="store_true", help="each volume in all modes")
+    arguments.add_argument("--modes", action="store_true", help="each volume in all modes, and its channels together")
     arguments.add_argument("volumes", nargs="*", type=Path, metavar="VOLUME|FOLDER")
     options = arguments.parse_args(words)
     if not options.no_packages:
@@ -84,10 +85,12 @@ def chosen(named, with_packages):
 
 def render(volume, mode, picture):
     try:
-        command = [PROGRAM, "render", volume, "--mode", mode, "-o", f"{picture}.png", "--size", "320x320"]
+        command = [PROGRAM, "render", volume, *CHANNELS.get(mode, ("--mode", mode)), "-o", f"{picture}.png", "--size", "320x320"]
         said = subprocess.run(command, timeout=300, text=True, errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT).stdout
     except subprocess.TimeoutExpired:
         said = "took more than five minutes"
+    if mode in CHANNELS and "): #" not in said:
+        return  # one value a voxel
     # Lines of results have no meaning on a sheet.
     lines = [line for line in re.split("[\r\n]", said) if line and not re.match(r"[^ ]*\.png |loading|rendering", line)]
     Path(f"{picture}.txt").write_text("\n".join([f"{volume.name}, {mode}", *lines]) + "\n")

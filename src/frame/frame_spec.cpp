@@ -71,6 +71,7 @@ json to_json(const Shown& s) {
   if (s.interpolation != Interpolation::linear) j["interpolation"] = name(s.interpolation);
   if (s.mode != Mode::composite) j["mode"] = name(s.mode);
   if (s.mode == Mode::surface) j["isovalue"] = s.isovalue;
+  if (s.mixed) j["mixed"] = true;
   if (s.values) j["values"] = true;
   if (s.depth) j["depth"] = *s.depth;
   for (int k = 0; k < 3 && s.clip; ++k) j["clip"].push_back({s.clip->first[k], s.clip->end[k]});
@@ -143,6 +144,16 @@ void check_mode(const Shown& shown, const Method& method) {
   if (const auto* const sheets = std::get_if<Sheets>(&method); sheets != nullptr && sheets->layers > 0)
     throw InputError(fmt::format("numbers, and --mode {}, have no layers to composite", name(shown.mode)),
                      "leave out --layers");
+}
+
+void check_mixed(const Shown& shown, const Method& method) {
+  if (!shown.mixed || shown.mode != Mode::composite) return;
+  const auto* const sheets = std::get_if<Sheets>(&method);
+  if (sheets == nullptr || sheets->layers > 0)
+    throw InputError("only sheets without layers draw channels as materials",
+                     "use --engine sheets without --layers, or leave out --materials");
+  if (shown.values || shown.depth || !shown.tints.empty())
+    throw InputError("materials have neither depths nor a segmentation's colours", "leave out --materials");
 }
 
 void check_clip_planes(const Shown& shown, const Method& method) {
@@ -218,6 +229,7 @@ void check(const FrameSpec& spec) {
   std::visit([](const auto& how) { check(how); }, spec.how);
   check_projection(spec.shown.camera, spec.how);
   check_mode(spec.shown, spec.how);
+  check_mixed(spec.shown, spec.how);
   check_clip_planes(spec.shown, spec.how);
   check_edges(spec.shown, spec.how);
   check_tints(spec.shown, spec.how);

@@ -87,7 +87,7 @@ void settle_picture(const OptionList& list, RenderOptions& o) {
   // Of fluorescence the largest values show most, where the other options allow a mode.
   const bool mip = std::holds_alternative<Sheets>(o.frame.how) && !list.is_given("--mode") &&
                    o.colour.interpolation != Interpolation::nearest && !o.frame.shown.edges &&
-                   !list.is_given("--layers");
+                   !o.frame.shown.mixed && !list.is_given("--layers");
   if (mip && names_channels(o.volume.choice.channel)) o.colour.mode = Mode::mip;
   for (const char* const name :
        {"--opaque-threshold", "--image-plane", "--slabs", "--light-points", "--undersample"})

@@ -251,6 +251,9 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        "or the largest value of those dimmed by what lies before them, by --opacity; needs sheets; without "
        "it mip for several channels",
        choice(o.colour.mode, named(every_mode))},
+      {"--materials", nullptr, nullptr,
+       "Several channels dim each other's light, as materials in one place do, in place of being added",
+       flag(o.frame.shown.mixed), Mark::of_sheets},
       {"--isovalue", nullptr, nullptr,
        "The value of --mode surface; without it the one that parts the volume's values best",
        value(o.colour.isovalue)},

@@ -276,6 +276,7 @@ json to_json(const SceneState& s) {
           {"transfer_function", to_json(s.shown.transfer_function)},
           {"mode", name(s.shown.mode)},
           {"isovalue", s.shown.isovalue},
+          {"materials", s.shown.mixed},
           {"shading", s.shown.shading == Shading::phong ? "phong" : "none"},
           {"light", {s.shown.light.x, s.shown.light.y, s.shown.light.z}},
           {"clip", clip},
@@ -307,6 +308,7 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
       transfer_function_from(member(state, "transfer_function"), shown.transfer_function);
   shown.mode = mode_from(member(state, "mode"));
   shown.isovalue = number(state, "isovalue", -any, any);
+  shown.mixed = member(state, "materials") == true && rules.initial.shown.tints.empty();
   const json& shading = member(state, "shading");
   if (shading != "phong" && shading != "none") throw InputError("shading must be phong or none");
   shown.shading = shading == "phong" ? Shading::phong : Shading::none;

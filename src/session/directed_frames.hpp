@@ -89,7 +89,7 @@ class DirectedFrames final : public FrameSource {
       frames.push_back({volume, spec});
       frames.back().spec.frame = frame;
       pace_.tell(frames.back().spec.division);
-      if (frames.size() > 1 && !projects_together(frames)) {
+      if (frames.size() > 1 && !drawn_together(frames)) {
         frames.pop_back();
         break;
       }

@@ -203,7 +203,7 @@ struct MaskedSlabs {
 /// group's place, on how slabs are divided into calls, or on tiles that show nothing.
 void paint_group(const SheetPaint& paint, const PixelGroup& group, const MaskedSlabs& slabs);
 
-/// One of several volumes on one grid whose projections are taken together.
+/// One of several volumes on one grid that are painted together.
 struct PaintedChannel {
   const SheetPaint* paint;
   MaskedSlabs slabs;  ///< the same ones of all, in its planes
@@ -214,5 +214,9 @@ inline constexpr int most_channels = 7;
 /// Takes extrema or integrals of `channels`, in planes of one type of numbers and of one mode, into their
 /// places. Opacity becomes 1 where nothing changes any of `all` channels. Bits as of each by itself.
 void paint_channels(std::span<const PaintedChannel> channels, std::size_t all, const PixelGroup& group);
+
+/// Composites the slabs of `channels` behind a group's pixels as those of one material that has what all
+/// have.
+void mix_group(std::span<const PaintedChannel> channels, const PixelGroup& group);
 
 }  // namespace ringsplat

@@ -25,23 +25,25 @@ std::shared_ptr<const SheetFrame> with_others(std::shared_ptr<const SheetFrame> 
     return frame;
   };
   const auto all = of(frames.front());
-  if (frames.size() > 1 && !projects_together(frames)) throw RunError("volumes that are not drawn as one");
+  if (frames.size() > 1 && !drawn_together(frames)) throw RunError("volumes that are not drawn as one");
   for (const FrameOfVolume& other : std::span(frames).subspan(1)) all->others.push_back(of(other));
   return all;
 }
 
-bool projects_together(const std::vector<FrameOfVolume>& frames) {
+bool drawn_together(const std::vector<FrameOfVolume>& frames) {
   const FrameSpec& first = frames.front().spec;
   const Shown& shown = first.shown;
   const bool takes_one_value = shown.mode == Mode::mip || shown.mode == Mode::minip ||
-                               shown.mode == Mode::mean || shown.mode == Mode::sum;
-  if (!std::holds_alternative<Sheets>(first.how) || !takes_one_value || !shown.tints.empty() ||
+                               shown.mode == Mode::mean || shown.mode == Mode::sum,
+             mixes = shown.mode == Mode::composite && shown.mixed;
+  if (!std::holds_alternative<Sheets>(first.how) || !(takes_one_value || mixes) || !shown.tints.empty() ||
       shown.values || frames.size() > most_channels)
     return false;
   return std::ranges::all_of(frames, [&](const FrameOfVolume& one) {
     FrameSpec same = one.spec;
     same.shown.transfer_function = shown.transfer_function;
     same.shown.isovalue = shown.isovalue;  // of surfaces
+    if (mixes) same.shown.interpolation = shown.interpolation;
     return same == first;
   });
 }

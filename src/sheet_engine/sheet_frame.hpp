@@ -14,7 +14,7 @@ struct SheetFrame : SharedFrame {
 
   Sheets sheets;
   TransparentValues transparent;
-  /// Frames of other volumes that are projected along the same rays, all alike but for the volume and its
+  /// Frames of other volumes that are painted along the same rays, all alike but for the volume and its
   /// transfer function.
   std::vector<std::shared_ptr<const SheetFrame>> others;
 
@@ -64,9 +64,9 @@ std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const 
                                                    SliceDealing dealing, int renderers,
                                                    RegionDealer* dealer = nullptr);
 
-/// Whether these frames, of volumes on one grid, are drawn as one: projections of one value a pixel that
-/// differ in their transfer functions alone.
-bool projects_together(const std::vector<FrameOfVolume>& frames);
+/// Whether these frames, of volumes on one grid, are drawn as one: projections of one value a pixel, or
+/// materials, that differ in their transfer functions alone.
+bool drawn_together(const std::vector<FrameOfVolume>& frames);
 /// The first of `frames`, made, with the others that it is drawn with. Throws RunError where they are not
 /// drawn as one.
 std::shared_ptr<const SheetFrame> with_others(std::shared_ptr<const SheetFrame> first,

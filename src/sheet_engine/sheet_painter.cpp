@@ -24,7 +24,7 @@ constexpr int groups_at_once = 16;
 /// Values of so many volumes fit into a pixel of an image.
 constexpr std::size_t values_an_image = 3;
 
-/// Draws sheets on a Renderer, of one volume or of several that are projected along the same rays. A slab
+/// Draws sheets on a Renderer, of one volume or of several that are painted along the same rays. A slab
 /// between the slices of two steps is painted once the slice behind them is there or known not to come,
 /// together with as many others as there are.
 class SheetPainter final : public FramePainter<SheetFrame> {
@@ -42,8 +42,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
       shown_.push_back(&volumes_[one->volume]);
       shown_.back()->begin_frame(one, rays_, images_.owned(), frames.size());
     }
-    if (frames.size() > values_an_image)
-      more_.begin_frame(geometry().regions, frame_->drawers, frame_->shown.opaque_threshold);
+    if (has_more()) more_.begin_frame(geometry().regions, frame_->drawers, frame_->shown.opaque_threshold);
     painting_ = 0;
     step_ = -1;
     concluded_ = false;
@@ -144,9 +143,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     });
   }
   /// Where a pixel's further values are; null: nowhere.
-  RegionImage* more_of(std::size_t slot) {
-    return shown_.size() > values_an_image ? &more_.image(slot) : nullptr;
-  }
+  RegionImage* more_of(std::size_t slot) { return has_more() ? &more_.image(slot) : nullptr; }
+  bool has_more() const { return !frame_->composites() && shown_.size() > values_an_image; }
 
   /// Room for the slice of `step`: while there is none, paints some of what can be painted without it.
   /// Returns whether it did.
@@ -245,13 +243,15 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void paint(std::size_t g, const PixelGroup& pixels) const {
     if (shown_.size() == 1) return paint_group(shown_.front()->paint(), pixels, slabs_of(*shown_.front(), g));
     // Volumes of floats have planes of another kind than those of few whole numbers.
-    for (const bool floats : {false, true}) {
-      std::vector<PaintedChannel> channels;
-      for (std::size_t k = 0; k < shown_.size(); ++k)
-        if (shown_[k]->ready() && shown_[k]->paint().floats == floats)
-          channels.push_back({&shown_[k]->paint(), slabs_of(*shown_[k], g), int(k)});
-      if (!channels.empty()) paint_channels(channels, shown_.size(), pixels);
+    std::vector<PaintedChannel> whole, floats, all;
+    for (std::size_t k = 0; k < shown_.size(); ++k) {
+      if (!shown_[k]->ready()) continue;
+      all.push_back({&shown_[k]->paint(), slabs_of(*shown_[k], g), int(k)});
+      (shown_[k]->paint().floats ? floats : whole).push_back(all.back());
     }
+    if (frame_->composites()) return mix_group(all, pixels);
+    for (const auto& channels : {whole, floats})
+      if (!channels.empty()) paint_channels(channels, shown_.size(), pixels);
   }
 
   std::map<std::size_t, PaintedVolume> volumes_;  ///< by number

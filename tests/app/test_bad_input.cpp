@@ -188,6 +188,8 @@ const std::vector<Case> contradictions{
     {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --slice x=1", "--depth and --slice contradict"},
     {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --channel 0,1", "--depth and --channel contradict"},
     {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --quality paper", "--depth has no effect on splats"},
+    {"+ --materials", "--materials has no effect without --channel"},
+    {"+ --materials --channel 0,1 --mode mip", "--mode and --materials contradict"},
     {"render {in}/good.nrrd -o {out}/x.exr --values --mode composite", "--values and --mode contradict"},
     {"reference {in}/good.nrrd -o {out}/x.exr --depth 0.5 --truth certified",
      "--depth and --truth contradict"},

@@ -1,9 +1,11 @@
-// Volumes on one grid whose projections are drawn as one frame: their sum has the bits that it has of
-// pictures that are drawn one by one.
+// Volumes on one grid that are drawn as one frame: projections, whose sum has the bits that it has of
+// pictures that are drawn one by one, and materials.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <glm/glm.hpp>
 
 #include "session/render_frames.hpp"
 #include "support/catch.hpp"
@@ -22,12 +24,16 @@ struct Case {
   std::size_t channels = 3;
   double fov = 0;
   bool clipped = false;
+  bool mixed = false;
+  std::optional<std::size_t> alone = std::nullopt;  ///< of all channels only this one is seen
 };
 
 TransferFunction function_of(std::size_t channel, const Case& one) {
   const double unit = one.type == ScalarType::float32 ? 1.0 / 255 : 1,
                from = one.mode == Mode::minip ? -60 : 20, step = double(channel);
   TransferFunction tf = ramp(unit * (from + 12 * step), unit * (190 + 15 * step), 0.6);
+  if (one.alone && channel != *one.alone)
+    for (auto& point : tf.opacities) point.opacity = 0;
   for (auto& point : tf.colours)
     for (int c = 0; c < 3; ++c) point.srgb[c] *= (int(channel) + c) % 3 == 0 ? 0.9 : 0.2;
   return tf;
@@ -37,7 +43,8 @@ TransferFunction function_of(std::size_t channel, const Case& one) {
 std::vector<VolumeFrame> picture_of(const Case& one, int view) {
   FrameSpec spec;
   spec.shown.mode = one.mode;
-  spec.shown.shading = Shading::none;
+  spec.shown.mixed = one.mixed;
+  spec.shown.shading = one.mixed ? Shading::phong : Shading::none;
   spec.shown.camera = {.azimuth = 17.0 * view, .elevation = 21, .fov = one.fov};
   spec.shown.width = spec.shown.height = 56;
   spec.division.region_size = 24;
@@ -62,6 +69,72 @@ Scene scene_of(const Case& one, const Layout& layout, const Wiring& wiring) {
     (k == 0 ? scene : scene.others.emplace_back()) = load_scene(volume, options, layout, wiring);
   }
   return scene;
+}
+
+/// A volume of as many values in each place as there are of these, which are linear in it.
+struct LinearFields {
+  std::vector<glm::dvec4> rises;  ///< by x, y, z, and at the origin
+  std::vector<TransferFunction> functions;
+  Grid grid = make_grid({31, 33, 29}, ScalarType::float32);
+};
+
+/// What a ray shows of fields that are materials, in many small steps and double precision.
+glm::dvec4 marched(const LinearFields& of, const Camera& camera, int size, int x, int y) {
+  const ViewTransform view = make_view(camera, lattice_frame(of.grid), size, size);
+  const glm::dmat3 to_lattice = glm::inverse(view.linear);
+  const glm::dvec3 along = to_lattice[2] * view.pixels_per_unit,
+                   middle = to_lattice * (glm::dvec3(x + 0.5, y + 0.5, 0) - view.offset),
+                   last = glm::dvec3(of.grid.dims - 1);
+  constexpr double half = 40, step = 1.0 / 256;
+  glm::dvec4 sum(0);
+  for (double way = -half; way < half; way += step) {
+    const glm::dvec3 at = middle + along * way, inside = glm::clamp(at, glm::dvec3(0), last);
+    if (glm::any(glm::greaterThan(glm::abs(at - inside), glm::dvec3(0.5)))) continue;
+    double extinction = 0;
+    glm::dvec3 light(0);
+    for (std::size_t k = 0; k < of.rises.size(); ++k) {
+      const auto [colour, opacity] = of.functions[k].evaluate(glm::dot(of.rises[k], glm::dvec4(inside, 1)));
+      const double its = -std::log1p(-opacity);
+      extinction += its;
+      light += its * colour;
+    }
+    if (!(extinction > 0)) continue;
+    sum += (1 - sum.a) * -std::expm1(-extinction * step) * glm::dvec4(light / extinction, 1);
+  }
+  return sum;
+}
+
+Image drawn_as_materials(const LinearFields& of, const Camera& camera, int size) {
+  FrameSpec spec;
+  spec.shown.mixed = true;
+  spec.shown.shading = Shading::none;
+  spec.shown.opaque_threshold = 0;
+  spec.shown.camera = camera;
+  spec.shown.width = spec.shown.height = size;
+  SoloCollectives solo;
+  const Wiring wiring{solo, nullptr, {}};
+  const Layout layout{2, 2, Placement::colocated};
+  std::vector<VolumeFrame> frames;
+  std::vector<std::vector<float>> voxels;
+  Scene scene;
+  for (std::size_t k = 0; k < of.rises.size(); ++k) {
+    const glm::ivec3 dims = of.grid.dims;
+    auto& values = voxels.emplace_back();
+    for (int i = 0; i < dims.x * dims.y * dims.z; ++i)
+      values.push_back(float(
+          glm::dot(of.rises[k], glm::dvec4(i % dims.x, i / dims.x % dims.y, i / (dims.x * dims.y), 1))));
+    OpenedVolume volume{of.grid, true, memory_source(of.grid, std::as_bytes(std::span(values)))};
+    (k == 0 ? scene : scene.others.emplace_back()) =
+        load_scene(volume, needed_along(spec, {true, true, true}), layout, wiring);
+    spec.shown.transfer_function = of.functions[k];
+    frames.push_back({k, spec});
+  }
+  Image image;
+  Director director;
+  director.next_picture = [&] { return std::exchange(frames, {}); };
+  director.frame_done = [&](FrameResult&& result) { image = std::move(result.image); };
+  render_frames(std::move(scene), layout, {}, std::move(director), wiring, {});
+  return image;
 }
 
 struct Drawn {
@@ -127,6 +200,57 @@ TEST_CASE("channels that are projected together have the bits of those drawn one
       if (seed == 3) engine.keep = 0;
       REQUIRE(draw(cases[k], true, layout, seed, engine).pictures == apart.pictures);
     }
+  }
+}
+
+TEST_CASE("materials have the same bits for any ranks, and what is seen of one alone has its own") {
+  const std::array cases{Case{.mode = Mode::composite, .channels = 2},
+                         Case{.type = ScalarType::float32, .mode = Mode::composite, .fov = 35},
+                         Case{.mode = Mode::composite, .channels = 5, .clipped = true}};
+  for (Case one : cases) {
+    const Drawn added = draw(one, true, {1, 1});
+    one.mixed = true;
+    const Drawn alone = draw(one, true, {1, 1});
+    REQUIRE(added.pictures.size() == 3);
+    CHECK(added.pictures != alone.pictures);
+    CHECK(added.payloads > alone.payloads);
+    for (int seed = 1; seed < 4; ++seed) {
+      const Layout layout =
+          seed == 3 ? mesh_layout(2, 2, 2, Routing::manhattan) : Layout{seed, 3 - seed, Placement::colocated};
+      CHECK(draw(one, true, layout, std::uint64_t(seed), {.threads_per_rank = seed}).pictures ==
+            alone.pictures);
+    }
+    one.alone = 1;
+    const Drawn with_others = draw(one, true, {1, 1});
+    one.mixed = false;
+    FrameSpec itself = picture_of(one, 0)[one.channels - 2].spec;
+    itself.shown.shading = Shading::phong;
+    const auto source = synth_source(names[1], make_grid({31, 33, 29}, one.type));
+    CHECK(render_loopback(*source, itself, 1, 1).image == with_others.pictures.front());
+  }
+}
+
+TEST_CASE("materials are what an integral over all of them shows") {
+  LinearFields of{{{2, 1, 6, 0}, {-1, 3, -5, 150}, {1, -2, 3, 60}},
+                  {ramp(20, 200, 0.2), ramp(10, 190, 0.35), constant_opacity(0.1, 70)}};
+  for (auto& point : of.functions[1].colours) point.srgb = {0.1, point.srgb.x, 0.9};
+  constexpr int size = 40;
+  for (const Camera& camera : {Camera{}, Camera{.azimuth = 33, .elevation = 21}, Camera{.elevation = 80}}) {
+    const Image image = drawn_as_materials(of, camera, size);
+    double squares = 0, largest = 0, seen = 0;
+    for (int y = 0; y < size; y += 3)
+      for (int x = 0; x < size; x += 3)
+        for (int c = 0; c < 4; ++c) {
+          const double truth = marched(of, camera, size, x, y)[c],
+                       error = 255 * (truth - double(image.rgba[std::size_t(4 * (size * y + x) + c)]));
+          squares += error * error;
+          largest = std::max(largest, std::abs(error));
+          seen += truth;
+        }
+    INFO(largest);
+    CHECK(seen > 50);
+    CHECK(std::sqrt(squares / (4 * 14 * 14)) < 0.3);
+    CHECK(largest < 2);
   }
 }
 

@@ -60,6 +60,9 @@ struct Shown {
   Interpolation interpolation = Interpolation::linear;
   Mode mode = Mode::composite;
   double isovalue = 0;  ///< of Mode::surface
+  /// Volumes of one picture (VolumeFrame) dim each other as materials do, in place of adding their light: the
+  /// extinction is that of all, and each has its part of the light. By sheets, in Mode::composite.
+  bool mixed = false;
   /// Pixels hold in red, green and blue what their ray has, in alpha 1 where it has something. Extrema, as
   /// far as the transfer function's points reach; means; integrals over world lengths; of Mode::surface and
   /// Mode::composite depths: world lengths along the view, behind the plane through the volume's middle.

@@ -358,7 +358,7 @@ class App {
     if (!this.scene.state) return;
     if (keys.has('transfer_function') || keys.has('isovalue')) this.transfer.refresh();
     if (keys.has('transfer_function') || keys.has('tints')) this.labels.refresh();
-    if (keys.has('channels')) this.channels.refresh();
+    if (keys.has('channels') || keys.has('materials')) this.channels.refresh();
     if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
     if (keys.has('clip')) this.clipPanel.refresh();
     if (keys.has('clip_planes')) this.clipPlanes.refresh();

@@ -6,6 +6,7 @@ export class ChannelsPanel {
   constructor(app) {
     this.app = app;
     this.all = [];  // what the server says of each
+    byId('materials').addEventListener('change', ({ target }) => app.scene.change({ materials: target.checked }));
     byId('reset-channels').addEventListener('click', () => app.scene.change({ channels: app.hello.state.channels }));
   }
 
@@ -55,7 +56,9 @@ export class ChannelsPanel {
   }
 
   refresh() {
-    const { mode } = this.app.scene.state;
+    const { mode, materials } = this.app.scene.state;
+    byId('materials').checked = materials;
+    byId('materials-label').hidden = mode !== 'composite' || this.all.length === 0;
     this.channels.forEach(({ visible, colour, window }, k) => {
       const row = this.rows[k], { range, windows } = this.all[k];
       row.seen.checked = visible;

@@ -17,6 +17,7 @@ const checks = {
     typeof tf === 'object' && tf !== null && arePoints(tf.colours, 4) && arePoints(tf.opacities, 2),
   mode: (m) => [...byId('mode').options].some(({ value }) => value === m),
   isovalue: Number.isFinite,
+  materials: (m) => typeof m === 'boolean',
   shading: (s) => s === 'phong' || s === 'none',
   light: (l) => isNumbers(l, 3) && Math.hypot(...l) > 0,
   clip: (b) => b === null || (Array.isArray(b) && b.length === 3 &&
