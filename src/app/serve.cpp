@@ -93,6 +93,33 @@ std::vector<ValueRange> ranges_of(const Scene& scene) {
   return ranges;
 }
 
+/// The grid of the finest level of what is shown.
+const Grid& finest_of(const OpenedVolume& volume) {
+  return volume.notes.finest ? *volume.notes.finest : volume.grid;
+}
+double voxel_side(const Grid& grid) { return std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}); }
+
+/// Voxels of the finest level that those of a level show.
+VoxelBox in_finest(const VoxelBox& box, const glm::ivec3& level, const glm::ivec3& finest) {
+  return {finest * box.first / level, (finest * box.end + level - 1) / level};
+}
+
+/// Has the viewer go on where another one left off, from the same side.
+void go_on_as(const serve::NextPart& part, const Grid& grid, serve::ViewerOptions& v) {
+  v.server = part.server;
+  v.part = part.number;
+  const Camera whole = v.initial.shown.camera;
+  v.initial = part.scene;
+  if (facts_of(grid) == facts_of(part.grid)) return;  // the part could not be shown
+  Shown& shown = v.initial.shown;
+  shown.camera.zoom = whole.zoom;
+  shown.camera.pan = whole.pan;
+  shown.clip.reset();
+  shown.clip_planes.clear();
+  if (shown.mode == Mode::composite)
+    scale_opacity(shown.transfer_function, voxel_side(grid) / voxel_side(part.grid));
+}
+
 serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const Scene& scene,
                                     const MadeFunction& made, const Shown& first, const Launch& launch) {
   const RenderOptions& o = job.options;
@@ -127,6 +154,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.errors = [&job](const FrameResult& picture, int volume, const std::function<void()>& go_on) {
     return proved_errors(job, picture, volume, go_on);
   };
+  v.finer = finest_of(job.volume).dims != scene.grid.dims;
   v.server = {options.address, options.port, options.allowed_hosts, options.allowed_origins,
               options.allowed_frames};
   return v;
@@ -175,10 +203,12 @@ class Warnings {
   }
   ~Warnings() { set_log_sink({}); }
 
-  void show_on(serve::Viewer& viewer) {
+  /// Null: on none, until there is one again.
+  void show_on(serve::Viewer* viewer) {
     const std::lock_guard lock(mutex_);
-    for (const std::string& text : early_) viewer.warn(text);
-    viewer_ = &viewer;
+    viewer_ = viewer;
+    if (viewer_ == nullptr) return;
+    for (const std::string& text : std::exchange(early_, {})) viewer_->warn(text);
   }
 
  private:
@@ -339,21 +369,38 @@ void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewe
   }
 }
 
-}  // namespace
+/// What is shown of the volume.
+struct Part {
+  ServeOptions options;
+  bool is_part = false;
+  bool is_new = false;  ///< it may turn out that it cannot be shown
+};
 
-ExitCode run(const ServeOptions& options, Launch& launch) {
+/// Shows the volume until the viewer ends, or its pages want another part, which is told on rank 0, in voxels
+/// of the finest level. `last`: on rank 0, what pages wanted.
+std::optional<serve::NextPart> show(const Part& part, const std::optional<serve::NextPart>& last,
+                                    Warnings& warnings, Launch& launch) {
+  const ServeOptions& options = part.options;
   Job job;  // which the viewer's threads read
   std::unique_ptr<serve::Viewer> viewer;
-  Warnings warnings;
   job = prepare(options, launch);
+  launch.check_on_rank_0([&] {
+    if (part.is_new && voxel_side(job.volume.grid) >= voxel_side(last->grid))
+      throw InputError("what is seen does not fit into the memory at a finer level",
+                       "zoom in, choose a smaller clip box, or start with more --memory");
+  });
   const auto begun = coarse_first(options, job, launch);
   Progress progress(launch.rank() != 0, stderr);
   SeriesLoader loader(job, pictures_held, progress, launch);
   if (!options.picture.more_volumes.empty()) loader.check_all();
   auto [scene, made, first] = load_first(begun, loader, job, launch);
   launch.check_on_rank_0([&] {
-    viewer = serve::make_viewer(viewer_options(options, job, scene, made, first, launch));
+    serve::ViewerOptions its = viewer_options(options, job, scene, made, first, launch);
+    its.is_part = part.is_part;
+    if (last) go_on_as(*last, scene.grid, its);
+    viewer = serve::make_viewer(std::move(its));
     if (job.load.half_of) viewer->loaded({{0}, ranges_of(scene), Reduction{2, job.load.prefilter}});
+    if (last) return;
     if (options.address != "127.0.0.1" && options.address != "::1")
       log_warning(
           "--bind {}: everybody who can reach this machine and learns the token sees the volume, and what "
@@ -362,9 +409,9 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
     fmt::print("{}\n", viewer->url());
     std::fflush(stdout);
   });
-  if (viewer) warnings.show_on(*viewer);
-  const auto opened = viewer && options.open ? open_in_browser(viewer->url()) : nullptr;
+  warnings.show_on(viewer.get());
   if (!viewer) leave_the_end_to_rank_0();
+  const auto opened = viewer && options.open && !last ? open_in_browser(viewer->url()) : nullptr;
   try {
     if (job.load.half_of) scene = load_behind(scene, loader, job, viewer.get(), launch);
     show_series(loader, std::move(scene), job, viewer.get(), launch);
@@ -372,7 +419,40 @@ ExitCode run(const ServeOptions& options, Launch& launch) {
     // In order, as after a run.
   } catch (const std::exception& e) {
     if (viewer) viewer->end(e.what());
+    warnings.show_on(nullptr);
     throw;
+  }
+  warnings.show_on(nullptr);
+  auto next = viewer ? viewer->next_part() : std::nullopt;
+  if (next && next->box) next->box = in_finest(*next->box, next->grid.dims, finest_of(job.volume).dims);
+  return next;
+}
+
+}  // namespace
+
+ExitCode run(const ServeOptions& options, Launch& launch) {
+  Warnings warnings;
+  Part part{options}, before = part;
+  std::optional<serve::NextPart> next;  // on rank 0
+  for (bool is_first = true;; is_first = false) {
+    try {
+      next = show(part, next, warnings, launch);
+    } catch (const InputError& e) {
+      if (is_first || !part.is_new) throw;
+      if (launch.rank() == 0) log_warning("{}", e.what());
+      part = before;
+      continue;
+    }
+    std::optional<std::optional<VoxelBox>> wanted;
+    if (next) wanted.emplace(next->box);
+    wanted = launch.of_rank_0(wanted);
+    if (!wanted) break;
+    part.is_new = false;
+    before = std::exchange(part, {options});
+    if (!*wanted) continue;
+    part = {before.options, true, true};
+    part.options.picture.volume = part_of(part.options.picture.volume, **wanted);
+    part.options.picture.clip = {};
   }
   launch.take_leave();
   return ExitCode::done;

@@ -343,6 +343,7 @@ ClientMessage parse_client_message(std::string_view text, const MessageRules& ru
   if (type == "snapshot") return snapshot_from(j, rules);
   if (type == "errors") return FileMessage{whole(j, "id"), scene_of(j, rules), false, {}, {}, true};
   if (type == "movie_frame") return movie_frame_from(j, rules);
+  if (type == "part") return PartMessage{member(j, "seen") == true, scene_of(j, rules)};
   if (type == "cancel") return CancelMessage{whole(j, "id")};
   if (type == "steer") return steer_from(j);
   throw InputError("the message's type is not known");

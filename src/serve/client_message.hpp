@@ -91,6 +91,11 @@ struct FileMessage {
   Ruler ruler = {};  ///< drawn over it, but for an EXR
   bool errors = false;
 };
+/// Of the volume only what the view shows is wanted, as fine as it can be held, or again all.
+struct PartMessage {
+  bool seen = true;
+  SceneState scene;
+};
 /// The movie of that number is no longer wanted.
 struct CancelMessage {
   std::uint32_t id = 0;
@@ -104,7 +109,7 @@ struct SteerMessage {
 };
 
 using ClientMessage = std::variant<ViewMessage, AckMessage, DriveMessage, ProbeMessage, MapMessage,
-                                   FileMessage, CancelMessage, SteerMessage>;
+                                   FileMessage, PartMessage, CancelMessage, SteerMessage>;
 
 /// What messages are read against.
 struct MessageRules {

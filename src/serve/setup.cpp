@@ -1,9 +1,12 @@
 #include "serve/viewer.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
 
 #include "base/process.hpp"
 #include "classify/auto_preset.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::serve {
 
@@ -15,6 +18,33 @@ LoadOptions needed_for_levels(const FrameSpec& frame, const Grid& grid) {
     if (std::find(load.factors.begin(), load.factors.end(), level.undersample) == load.factors.end())
       load.factors.push_back(level.undersample);
   return load;
+}
+
+VoxelBox seen_box(const SceneState& scene, const Grid& grid) {
+  const Shown& shown = scene.shown;
+  const VoxelBox all = shown.clip.value_or(whole_box(grid));
+  const ViewTransform view = make_view(shown.camera, lattice_frame(grid), shown.width, shown.height);
+  // Cells of some voxels each are seen as balls round their middles.
+  const glm::ivec3 cell = (all.dims() + 63) / 64;
+  double radius = 0;
+  for (int k = 0; k < 3; ++k) radius += 0.5 * cell[k] * glm::length(glm::dvec2(view.linear[k]));
+  VoxelBox seen{all.end, all.first};
+  glm::ivec3 at;
+  for (at.z = all.first.z; at.z < all.end.z; at.z += cell.z)
+    for (at.y = all.first.y; at.y < all.end.y; at.y += cell.y)
+      for (at.x = all.first.x; at.x < all.end.x; at.x += cell.x) {
+        const glm::dvec3 middle = glm::dvec3(at) + 0.5 * glm::dvec3(cell) - 0.5;
+        const double larger = view.magnification(middle);
+        if (!std::isfinite(larger)) continue;
+        const glm::dvec2 pixel = view.seen_at(middle), beyond(larger * radius);
+        if (glm::any(glm::lessThan(pixel, -beyond)) ||
+            glm::any(glm::greaterThan(pixel, glm::dvec2(shown.width, shown.height) + beyond)))
+          continue;
+        seen = {glm::min(seen.first, at), glm::max(seen.end, glm::min(at + cell, all.end))};
+      }
+  if (glm::any(glm::lessThanEqual(seen.end, seen.first)))
+    throw InputError("the picture shows nothing of the volume", "move the volume back into it");
+  return seen;
 }
 
 int largest_side() {

@@ -66,6 +66,11 @@ class PageViewer final : public Viewer, ServerEvents {
     audience_.say(error_text(why));
   }
 
+  std::optional<NextPart> next_part() override {
+    const std::lock_guard lock(mutex_);
+    return next_part_;
+  }
+
   void renewed(const ValueRange& range, bool changes) override {
     const std::lock_guard lock(mutex_);
     views_.renewed(range, changes);
@@ -194,6 +199,20 @@ class PageViewer final : public Viewer, ServerEvents {
 
   void handle(ClientId client, const FileMessage& asked) {
     requests_.add(client, asked, best_frames(asked.scene));
+  }
+
+  void handle(ClientId client, const PartMessage& wanted) {
+    if (!options_.finer && !options_.is_part) throw InputError("the volume is shown as finely as it can be");
+    NextPart next{{}, wanted.scene, options_.volume.grid, server_.successor(), options_.part + 1};
+    if (wanted.seen) next.box = seen_box(wanted.scene, options_.volume.grid);
+    {
+      const std::lock_guard lock(mutex_);
+      if (ended_ || !audience_.drives(client)) return;
+      next_part_ = std::move(next);
+      ended_ = true;
+    }
+    requests_.end();
+    server_.end(text_of({{"type", "opening"}}));
   }
 
   void handle(ClientId client, const CancelMessage& asked) { requests_.cancel_movie(client, asked.id); }
@@ -351,7 +370,8 @@ class PageViewer final : public Viewer, ServerEvents {
   std::vector<std::string> warnings_;
   std::string told_;  ///< last
   Views views_;
-  std::vector<int> next_volumes_;  ///< that the run ends for
+  std::vector<int> next_volumes_;      ///< that the run ends for
+  std::optional<NextPart> next_part_;  ///< that the viewer ends for
   std::optional<Rendering> rendering_;
   std::int64_t next_frame_ = 0;
   int pictures_encoding_ = 0;

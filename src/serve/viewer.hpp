@@ -77,6 +77,15 @@ struct ProvedErrors {
   Bytes map;                 ///< a PNG of the picture's size
 };
 
+/// What pages want in place of the volume, or of the part of it, that they see.
+struct NextPart {
+  std::optional<VoxelBox> box;  ///< of that volume's voxels; none: all of it, as it was first
+  SceneState scene;             ///< that was seen
+  Grid grid = {};               ///< of that volume
+  ServerOptions server;         ///< where pages look for it
+  int number = 0;               ///< how many there were before it
+};
+
 struct ViewerOptions {
   std::string layout;  ///< "4 GPs + 2 Renderers, ring"
   int ranks = 1;
@@ -85,6 +94,9 @@ struct ViewerOptions {
   SceneState initial;
   std::vector<std::pair<Mode, TransferFunction>> modes;  ///< that can be chosen, each with its first function
   std::vector<ShownChannel> channels;                    ///< as many as `initial` has
+  bool finer = false;  ///< more voxels of a part could be held than of the whole
+  int part = 0;        ///< NextPart::number; 0: of the whole volume
+  bool is_part = false;
   std::vector<Label> segments;               ///< of a segmentation over the volume, as `initial` tints them
   FrameSpec frame;                           ///< what all frames have in common, but for what is shown
   double target_seconds = 0.04;              ///< for a picture of a view that moves
@@ -142,6 +154,8 @@ class Viewer {
   virtual bool has_requests() = 0;
   /// Shows a warning of the job on all pages, also of those that come later.
   virtual void warn(const std::string& text) = 0;
+  /// After the viewer has ended: what it has ended for, if pages want something else.
+  virtual std::optional<NextPart> next_part() = 0;
   /// Tells all pages why there will be no more pictures, and ends the run.
   virtual void end(const std::string& message) = 0;
 };
@@ -157,6 +171,9 @@ LoadOptions needed_for_levels(const FrameSpec& frame, const Grid& grid);
 /// Sets the modes that a page offers, each with its first function; `usual` is that of light. Where values
 /// between voxels mean nothing there is one mode only.
 void set_modes(const TransferFunction& usual, const ValueStatistics& values, ViewerOptions& options);
+
+/// The voxels that the scene's picture shows, of its clip box. Throws InputError when there are none.
+VoxelBox seen_box(const SceneState& scene, const Grid& grid);
 
 std::string hello_text(const ViewerOptions& options, const std::vector<Level>& levels, bool drives,
                        int viewers);

@@ -107,6 +107,9 @@ std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels,
                   {"ffmpeg", o.ffmpeg.has_value()},
                   {"errors", bool(o.errors)},
                   {"largest", o.largest_side},
+                  {"finer", o.finer},
+                  {"part", o.part},
+                  {"is_part", o.is_part},
                   {"driver", drives},
                   {"viewers", viewers}});
 }

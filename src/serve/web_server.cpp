@@ -50,7 +50,11 @@ struct WebServer::Impl {
     std::vector<std::string> hosts{fmt::format("127.0.0.1:{}", port), fmt::format("localhost:{}", port),
                                    fmt::format("[::1]:{}", port), name_};
     hosts.insert(hosts.end(), options.allowed_hosts.begin(), options.allowed_hosts.end());
-    shared_.access = {make_token(), std::move(hosts), options.allowed_origins};
+    shared_.access = {options.token.empty() ? make_token() : options.token, std::move(hosts),
+                      options.allowed_origins};
+    successor_ = options;
+    successor_.port = port;
+    successor_.token = shared_.access.token;
     shared_.frame_ancestors = frame_ancestors(options.allowed_frames);
     accept();
     if (!options.takes_signals) return;
@@ -106,6 +110,7 @@ struct WebServer::Impl {
 
   Shared shared_;
   std::string name_;
+  ServerOptions successor_;
   tcp::acceptor acceptor_;
   asio::steady_timer pause_;
   Clock::time_point last_moment_;
@@ -140,6 +145,8 @@ void WebServer::start() {
 std::string WebServer::url() const {
   return fmt::format("http://{}/#{}", impl_->name_, impl_->shared_.access.token);
 }
+
+ServerOptions WebServer::successor() const { return impl_->successor_; }
 
 void WebServer::send(ClientId id, bool binary, std::shared_ptr<const std::string> bytes) {
   asio::post(impl_->shared_.io, [&clients = impl_->shared_.clients, id, binary, bytes = std::move(bytes)] {

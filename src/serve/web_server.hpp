@@ -17,6 +17,7 @@ struct ServerOptions {
   /// Pages that may show the page in a frame, as origins; the port may be "*". None: no page may.
   std::vector<std::string> allowed_frames = {};
   bool takes_signals = true;  ///< else SIGINT and SIGTERM are left to the program
+  std::string token = {};     ///< of 128 bits; empty: a new one
 };
 
 /// Called on the server's thread; must return soon and throw nothing.
@@ -45,6 +46,9 @@ class WebServer {
   void start();
   /// The page's, with the token, which gives whoever reads it the right to connect.
   std::string url() const;
+
+  /// For a server in this one's place, to which its pages come back.
+  ServerOptions successor() const;
 
   /// To a client that is gone: nothing happens. Clients may share the bytes.
   void send(ClientId client, bool binary, std::shared_ptr<const std::string> bytes);

@@ -108,6 +108,20 @@ class Channels(WithPage):
         self.page.put("mode", "mip")
         self.assertEqual(self.look(2)["window"][1], 2000)
 
+    def test_light_can_be_that_of_materials(self):
+        self.assertFalse(self.page.find("materials").is_displayed())
+        self.page.put("mode", "composite")
+        self.page.settle()
+        added = self.page.measure()["mean"]
+        self.page.click("materials")
+        self.page.settle()
+        self.assertTrue(self.page.facts("state.materials"))
+        mixed = self.page.measure()["mean"]
+        self.assertLess(sum(mixed), 0.97 * sum(added))
+        self.page.click("undo")
+        self.page.settle()
+        self.assertEqual(self.page.measure()["mean"], added)
+
     def test_a_probe_tells_the_first_visible_channels_value(self):
         self.tick(0)
         self.page.press(Keys.ENTER)

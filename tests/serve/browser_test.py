@@ -63,6 +63,39 @@ class WithPage(unittest.TestCase):
         return self.page.facts("state.camera")
 
 
+def pyramid():
+    run("synth", "shell", "-o", os.path.join(scratch, "shell.nrrd"), "--dims", "96x96x96")
+    run("pyramid", os.path.join(scratch, "shell.nrrd"), os.path.join(scratch, "shell.zarr"))
+    return os.path.join(scratch, "shell.zarr")
+
+
+class Parts(WithPage):
+    volume, options = staticmethod(pyramid), ("--memory", "500K")
+
+    def test_what_is_seen_is_shown_more_finely_and_the_whole_again(self):
+        self.assertEqual(self.page.facts("hello.volume.dims"), [48, 48, 48])
+        self.assertFalse(self.page.find("whole").is_displayed())
+        self.page.put("azimuth", 10)
+        self.page.put("zoom", 1.2)
+        self.page.click("finer")
+        self.page.wait("ringsplat.hello?.part === 1 && ringsplat.driving")
+        self.assertIn("does not fit into the memory at a finer level", self.page.messages())
+        self.assertEqual(self.camera()["zoom"], 1.2)
+        self.page.put("zoom", 6)
+        self.page.click("finer")
+        self.page.wait("ringsplat.hello?.part === 2 && ringsplat.driving")
+        self.page.settle()
+        self.assertEqual(self.page.facts("hello.volume.spacing"), [1, 1, 1])
+        self.assertLess(max(self.page.facts("hello.volume.dims")[::2]), 60)
+        self.assertEqual(self.camera()["azimuth"], 10)
+        self.assertLess(self.camera()["zoom"], 3)  # it fills the page
+        self.assertGreater(self.page.measure()["n"], 1000)
+        self.assertFalse(self.page.find("finer").is_displayed())
+        self.page.click("whole")
+        self.page.wait("ringsplat.hello?.part === 3 && ringsplat.driving")
+        self.assertEqual(self.page.facts("hello.volume.dims"), [48, 48, 48])
+
+
 class TheHead(WithPage):
     volume = staticmethod(lambda: HEAD)
     options = ("--tf", "mr-skin", "--background", "#20242c")

@@ -7,7 +7,7 @@ import argparse, os, shutil, signal, socket, struct, subprocess, sys, time
 import viewer_client as vc
 from access_cases import allowed, fake_browser, opens, packed_page, page, strangers
 from channel_cases import SHOWN, channels, make_channels
-from coarse_cases import coarse, coarse_ends, coarse_pyramid, coarse_stopped, gated, make_large, make_pyramid
+from coarse_cases import coarse, coarse_ends, coarse_pyramid, coarse_stopped, gated, make_large, make_pyramid, parts
 from compare_cases import compared, make_two, two_volumes
 from error_cases import errors
 from movie_cases import fake_ffmpeg, movie_failures, movies, no_ffmpeg
@@ -372,7 +372,7 @@ CASES = {"page": (page,), "packed_page": (packed_page,), "strangers": (strangers
          "series_failures": (series_failures, *SERIES), "compared": (compared, *SERIES),
          "two_volumes": (two_volumes, "{scratch}/b/density.nrrd"),
          "coarse": (coarse, *COARSE), "coarse_ends": (coarse_ends, *COARSE), "coarse_stopped": (coarse_stopped, *COARSE),
-         "coarse_pyramid": (coarse_pyramid, *AT_ONCE),
+         "coarse_pyramid": (coarse_pyramid, *AT_ONCE), "parts": (parts, "--memory", "1M", "--tf", "{scratch}/tf.json"),
          "channels": (channels, "--channel", SHOWN), "slices": (slices,), "errors": (errors,),
          "no_ffmpeg": (no_ffmpeg, "TMPDIR={scratch}", "PATH={scratch}/empty")}
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
@@ -400,7 +400,7 @@ if __name__ == "__main__":
         given.volume = make_series(given)
     made = {"labels": make_labels, "hounsfield": make_ct, "channels": make_channels,
             **dict.fromkeys(("coarse", "coarse_ends", "coarse_stopped"), make_large),
-            "coarse_pyramid": make_pyramid, "two_volumes": make_two}
+            "coarse_pyramid": make_pyramid, "parts": make_pyramid, "two_volumes": make_two}
     if given.case in made:
         given.volume = made[given.case](given)
     running = start(given, *(word.format(scratch=given.scratch, faults=given.faults) for word in more))

@@ -1,7 +1,7 @@
 """The viewer while a large volume is loaded: `serve --coarse-above 0`. Slice 1, which coarse data leaves out, is read in
 three passes, of the volume and its levels at half and a quarter. Each waits for a gate (faults/fault_at_read.cpp), and
 whatever happens happens between two of them."""
-import glob, os, signal, subprocess
+import glob, os, signal, subprocess, time
 
 import viewer_client as vc
 from server_case import check_rendered, expect, is_alive, told
@@ -112,3 +112,46 @@ def coarse_pyramid(options, server):
     snapshot = client.snapshot(5, 160, 120, state={"camera": {"azimuth": 30, "elevation": 20}})
     is_the_programs(options, snapshot)
     client.close()
+
+
+def opened_again(server, number):
+    """A client of the part of that number, which is not there at once."""
+    end = vc.deadline(30)
+    while time.monotonic() < end:
+        try:
+            client = server.client()
+        except (OSError, vc.Closed, vc.Refused):
+            time.sleep(0.1)
+            continue
+        expect(client.hello["part"] == number, client.hello["part"])
+        return client
+    raise AssertionError(f"part {number} does not come")
+
+
+def parts(options, server):
+    """What a view shows is read at the finest level, of which the whole does not fit; and back."""
+    spacing, camera = (0.7, 0.9, 1.1), {"azimuth": 0, "elevation": 0, "zoom": 4}
+    client = server.client()
+    whole = client.hello
+    expect((whole["volume"]["dims"], whole["finer"], whole["is_part"]) == ([64, 65, 65], True, False), whole["volume"]["dims"])
+    client.send({"type": "part", "seen": True, "width": 160, "height": 120, "state": {"camera": camera, "clip": [[0, 64], [0, 30], [0, 65]]}})
+    expect(client.text("opening"), "not told")
+    client.rest()
+    client = opened_again(server, 1)
+    part, state = client.hello["volume"], client.hello["state"]
+    expect((client.hello["finer"], client.hello["is_part"]) == (False, True), client.hello)
+    expect(part["dims"][1] == 60 and 90 < part["dims"][0] < 110 and 44 < part["dims"][2] < 58, part["dims"])
+    expect(all(abs(a - b) < 1e-6 for a, b in zip(part["spacing"], spacing)), part["spacing"])
+    expect((state["camera"]["zoom"], state["clip"]) == (1, None), state)
+    first = [round((part["origin"][k] + 0.5 * spacing[k] - whole["volume"]["origin"][k]) / spacing[k]) for k in range(3)]
+    crop = ",".join(f"{f}:{f + n}" for f, n in zip(first, part["dims"]))
+    check_rendered(options, client.snapshot(5, 160, 120), "part.png", 0.01, options.volume, "--quality", "best", "--size", "160x120",
+                   "--azimuth", "0", "--elevation", "0", "--fit", "sphere", "--tf", os.path.join(options.scratch, "tf.json"), "--crop", crop)
+    client.send({"type": "part", "seen": False, "width": 160, "height": 120, "state": {}})
+    client.rest()
+    client = opened_again(server, 2)
+    expect((client.hello["volume"]["dims"], client.hello["is_part"]) == ([64, 65, 65], False), "not the whole")
+    client.send({"type": "part", "id": 9, "seen": True, "width": 160, "height": 120, "state": {"camera": {"pan": [90, 0]}}})
+    expect("nothing of the volume" in told(client, 9), "an empty part is opened")
+    client.close()
+    is_alive(server)

@@ -22,7 +22,7 @@ def until(what, condition, seconds=20):
 
 def start(options, *more):
     """Among `more` may be what the server finds in its environment, as NAME=VALUE."""
-    environment = [word for word in more if word.split("=")[0].isupper()]
+    environment = [word for word in more if "=" in word and word.split("=")[0].isupper()]
     command = [options.program, "serve", options.volume, *(word for word in more if word not in environment)]
     if environment:
         command = ["env", *environment] + command

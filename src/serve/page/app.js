@@ -23,7 +23,7 @@ import { SnapshotPanel } from './snapshot_panel.js';
 import { ErrorsPanel } from './errors_panel.js';
 import { Stage } from './stage.js';
 import { Slices } from './slices.js';
-import { showDriver, showEnd, showError, showFacts, showLink, showLoading, showVolume, showsCoarse } from './status.js';
+import { showDriver, showEnd, showError, showFacts, showLink, showLoading, showOpening, showVolume, showsCoarse } from './status.js';
 import { TransferPanel } from './transfer_panel.js';
 import { ViewPanel } from './view_panel.js';
 
@@ -105,6 +105,7 @@ class App {
       frame: () => this.series.told(message),
       run: () => this.runs.told(message),
       loading: () => showLoading(message.part),
+      opening: () => showOpening(),
       errors: () => { this.errors.told = message; },
       error: () => this.connection.fail(message.id, message.message) || showError(message.message, message.hint),
       warning: () => showError(message.message, message.hint, true),
@@ -116,14 +117,15 @@ class App {
 
   greet(hello) {
     this.hello = hello;
-    const { volume } = hello, resumes = this.scene.state !== null && this.driving;
+    const { volume } = hello, resumes = this.scene.state !== null && this.driving && hello.part === this.part;
+    this.part = hello.part;
     this.fills = hello.state.camera.zoom === 1;  // nobody chose another
     showVolume(volume);
     showLoading(1);
     this.stage.forget();
     this.stage.largest = hello.largest;
     this.stage.resize();
-    this.viewPanel.begin(volume.patient);
+    this.viewPanel.begin(hello);
     const kept = resumes ? this.scene.state : hello.driver ? this.brought : {};
     this.brought = undefined;
     this.fill();
@@ -188,7 +190,7 @@ class App {
     if (status !== 'open') this.connection.failAll('the connection was lost');
     if (status === 'open') this.losses = 0;
     if (status === 'open') this.refusal?.remove();
-    if (status === 'lost' && ++this.losses === lossesTold)
+    if (status === 'lost' && ++this.losses === lossesTold && !showsCoarse())
       showError('The server does not answer.', 'If it was started anew, open the address that it printed then.');
   }
 
@@ -316,6 +318,12 @@ class App {
     if (sent) this.stage.remember(seq, this.scene.state);
     if (sent) this.awaitPicture(!this.runs.goesOn);
     return sent;
+  }
+
+  /** Has the server show only what is seen, as finely as that can be held, or the whole volume again. */
+  openPart(seen) {
+    const { width, height } = this.stage.canvas;
+    this.connection.send({ type: 'part', seen, width, height, state: this.scene.state });
   }
 
   /** How the volume lies on the stage, in CSS pixels. */

@@ -17,6 +17,11 @@ export function showLoading(part) {
   byId('loading-words').textContent = 'Coarse data, an eighth of the voxels, while the volume is loaded';
   byId('loading-part').value = part;
 }
+/** Another part of the volume, which is said by the next greeting. */
+export function showOpening() {
+  showLoading(0);
+  byId('loading-words').textContent = 'The part is read; the page comes back to it';
+}
 export function showsCoarse() {
   return !byId('loading').hidden;
 }

@@ -18,6 +18,8 @@ export class ViewPanel {
     panFields.forEach((id, k) => onNumber(byId(id), (value) =>
       app.scene.change({ camera: { pan: app.scene.state.camera.pan.with(k, value) } }), refresh));
     byId('reset').addEventListener('click', () => app.resetCamera());
+    byId('finer').addEventListener('click', () => app.openPart(true));
+    byId('whole').addEventListener('click', () => app.openPart(false));
     for (const radio of document.getElementsByName('projection'))
       radio.addEventListener('change', () => app.setProjection(radio.value === 'perspective'));
     onNumber(byId('fov'), (fov) =>
@@ -41,7 +43,9 @@ export class ViewPanel {
                        ArrowDown: move(0, -0.1) });
   }
 
-  begin(patient) {
+  begin({ volume: { patient }, finer, is_part: isPart }) {
+    byId('finer').hidden = !finer;
+    byId('whole').hidden = !isPart;
     const make = (tag, attributes) => sixViews.map((view, i) => element(tag,
       { ...attributes(view, i), onclick: () => this.app.lookFrom(view) }, patient ? view.patient : view.axis));
     byId('six-views').replaceChildren(...make('button', ({ name }, i) => {
