@@ -128,6 +128,9 @@ const Rule all_rules[] = {
      "--samples has no effect on the screen, whose pixels --size counts"},
     {"--samples", excludes, "--image-plane=screen", "leave out --samples or use --image-plane slices",
      "--samples has no effect on the screen, whose pixels --size counts"},
+    {"--slabs --light --light-points --ambient --diffuse --specular --exponent", excludes,
+     "--mode=mip --mode=attenuated --mode=minip --mode=mean --mode=sum", "leave out {0}, or show light",
+     "{0} has no effect where values are shown instead of light"},
     {"--light --light-points --ambient --diffuse --specular --exponent", excludes, "--shading=none",
      "leave out {0} or use --shading phong", "{0} has no effect with --shading none"},
     // "-" is standard output for texts only; these options would make a file of that name.

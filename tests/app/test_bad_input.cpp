@@ -188,6 +188,7 @@ const std::vector<Case> contradictions{
     {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --slice x=1", "--depth and --slice contradict"},
     {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --channel 0,1", "--depth and --channel contradict"},
     {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --quality paper", "--depth has no effect on splats"},
+    {"+ --mode mip --specular 0.5", "--specular has no effect where values are shown instead of light"},
     {"+ --materials", "--materials has no effect without --channel"},
     {"+ --materials --channel 0,1 --mode mip", "--mode and --materials contradict"},
     {"render {in}/good.nrrd -o {out}/x.exr --values --mode composite", "--values and --mode contradict"},

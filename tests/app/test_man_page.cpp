@@ -112,7 +112,7 @@ TEST_CASE("the manual page tells which options exclude and which need each other
   const std::string page = said({"--man"});
   const std::string render = printed(section_of(page, "RENDER")), info = printed(section_of(page, "INFO"));
   CHECK_THAT(render, Contains("kernel in voxels. Needs --engine splats or --quality paper"));
-  CHECK_THAT(render, Contains("light from everywhere. Not with --shading none."));
+  CHECK_THAT(render, Contains("light from everywhere. Not with --mode mip, --mode attenuated"));
   CHECK_THAT(render, Contains("Pixels of the image.\n"));
   CHECK_THAT(render, Contains("the viewer climbs: 90 looks straight down, -90 up. Not with --matrix, --eye, "
                               "--view, --path, --slice.\n"));
