@@ -25,6 +25,7 @@ struct Case {
   double fov = 0;
   bool clipped = false;
   bool mixed = false;
+  int region_size = 24;
   std::optional<std::size_t> alone = std::nullopt;  ///< of all channels only this one is seen
 };
 
@@ -47,7 +48,7 @@ std::vector<VolumeFrame> picture_of(const Case& one, int view) {
   spec.shown.shading = one.mixed ? Shading::phong : Shading::none;
   spec.shown.camera = {.azimuth = 17.0 * view, .elevation = 21, .fov = one.fov};
   spec.shown.width = spec.shown.height = 56;
-  spec.division.region_size = 24;
+  spec.division.region_size = one.region_size;
   if (one.clipped) {
     spec.shown.clip = VoxelBox{{2, 1, 0}, {29, 30, 21}};
     spec.shown.clip_planes = {{{1, 0.3, 0.2}, -3}};
@@ -217,7 +218,9 @@ TEST_CASE("materials have the same bits for any ranks, and what is seen of one a
     for (int seed = 1; seed < 4; ++seed) {
       const Layout layout =
           seed == 3 ? mesh_layout(2, 2, 2, Routing::manhattan) : Layout{seed, 3 - seed, Placement::colocated};
-      CHECK(draw(one, true, layout, std::uint64_t(seed), {.threads_per_rank = seed}).pictures ==
+      Case other = one;
+      other.region_size = 16 + 7 * seed;
+      CHECK(draw(other, true, layout, std::uint64_t(seed), {.threads_per_rank = seed}).pictures ==
             alone.pictures);
     }
     one.alone = 1;
