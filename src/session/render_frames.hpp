@@ -30,9 +30,12 @@ struct FrameResult {
   Axis axis = Axis::z;  ///< of the slice set that was traversed
 };
 
-/// The frame of numbers that are the depths of a frame's picture. Its slices' planes are the same.
+/// The frame of numbers that are the depths of a frame's picture. Its slices' planes are the same, but rays
+/// go on until they are so opaque.
 inline FrameSpec depth_frame_of(FrameSpec frame) {
   frame.shown.values = true;
+  frame.shown.opaque_threshold =
+      std::min(frame.shown.opaque_threshold, 0.5 * (1 - frame.shown.depth.value_or(0.5)));
   if (auto* const sheets = std::get_if<Sheets>(&frame.how)) sheets->layers = 0;
   return frame;
 }

@@ -307,7 +307,7 @@ TEST_CASE("in a homogenous box an opacity is reached after the length that it ta
       make_volume({30, 26, 22}, ScalarType::uint8, [](int, int, int) { return 100; }, {0.5, 0.5, 1});
   for (const Camera& camera : cameras)
     for (const auto& [opacity, threshold, reached] :
-         {std::tuple{0.5, 0.0, 0.5}, {0.8, 1.0 / 512, 0.8}, {0.8, 0.75, 0.25}}) {
+         {std::tuple{0.5, 0.0, 0.5}, {0.8, 1.0 / 512, 0.8}, {0.8, 0.75, 0.8}}) {
       FrameSpec spec = depth_spec(constant_opacity(0.1), camera, opacity);
       spec.shown.opaque_threshold = threshold;
       Image expected;
