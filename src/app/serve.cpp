@@ -100,8 +100,11 @@ const Grid& finest_of(const OpenedVolume& volume) {
 double voxel_side(const Grid& grid) { return std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}); }
 
 /// Voxels of the finest level that those of a level show.
-VoxelBox in_finest(const VoxelBox& box, const glm::ivec3& level, const glm::ivec3& finest) {
-  return {finest * box.first / level, (finest * box.end + level - 1) / level};
+VoxelBox in_finest(const VoxelBox& box, const Grid& level, const Grid& finest) {
+  const glm::dvec3 each = level.spacing / finest.spacing;
+  constexpr double rounding = 1e-6;
+  return {glm::ivec3(glm::floor(glm::dvec3(box.first) * each + rounding)),
+          glm::min(glm::ivec3(glm::ceil(glm::dvec3(box.end) * each - rounding)), finest.dims)};
 }
 
 /// Has the viewer go on where another one left off, from the same side.
@@ -424,7 +427,7 @@ std::optional<serve::NextPart> show(const Part& part, const std::optional<serve:
   }
   warnings.show_on(nullptr);
   auto next = viewer ? viewer->next_part() : std::nullopt;
-  if (next && next->box) next->box = in_finest(*next->box, next->grid.dims, finest_of(job.volume).dims);
+  if (next && next->box) next->box = in_finest(*next->box, next->grid, finest_of(job.volume));
   return next;
 }
 

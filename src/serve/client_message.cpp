@@ -235,6 +235,12 @@ FileMessage movie_frame_from(const json& j, const MessageRules& rules) {
   return file;
 }
 
+PartMessage part_from(const json& j, const MessageRules& rules) {
+  const json& seen = member(j, "seen");
+  if (!seen.is_boolean()) throw InputError("seen must be true or false");
+  return {seen.get<bool>(), scene_of(j, rules)};
+}
+
 SteerMessage steer_from(const json& j) {
   using Act = SteerMessage::Act;
   const json& act = member(j, "act");
@@ -343,7 +349,7 @@ ClientMessage parse_client_message(std::string_view text, const MessageRules& ru
   if (type == "snapshot") return snapshot_from(j, rules);
   if (type == "errors") return FileMessage{whole(j, "id"), scene_of(j, rules), false, {}, {}, true};
   if (type == "movie_frame") return movie_frame_from(j, rules);
-  if (type == "part") return PartMessage{member(j, "seen") == true, scene_of(j, rules)};
+  if (type == "part") return part_from(j, rules);
   if (type == "cancel") return CancelMessage{whole(j, "id")};
   if (type == "steer") return steer_from(j);
   throw InputError("the message's type is not known");

@@ -28,6 +28,7 @@ VoxelBox seen_box(const SceneState& scene, const Grid& grid) {
   const glm::ivec3 cell = (all.dims() + 63) / 64;
   double radius = 0;
   for (int k = 0; k < 3; ++k) radius += 0.5 * cell[k] * glm::length(glm::dvec2(view.linear[k]));
+  const double world_radius = 0.5 * glm::length(grid.spacing * glm::dvec3(cell));
   VoxelBox seen{all.end, all.first};
   glm::ivec3 at;
   for (at.z = all.first.z; at.z < all.end.z; at.z += cell.z)
@@ -35,7 +36,12 @@ VoxelBox seen_box(const SceneState& scene, const Grid& grid) {
       for (at.x = all.first.x; at.x < all.end.x; at.x += cell.x) {
         const glm::dvec3 middle = glm::dvec3(at) + 0.5 * glm::dvec3(cell) - 0.5;
         const double larger = view.magnification(middle);
-        if (!std::isfinite(larger)) continue;
+        const glm::dvec3 from_middle =
+            grid.direction * (grid.spacing * (middle - 0.5 * glm::dvec3(grid.dims - 1)));
+        const auto cuts = [&](const ClipPlane& plane) {
+          return glm::dot(glm::normalize(plane.normal), from_middle) + world_radius < plane.distance;
+        };
+        if (!std::isfinite(larger) || std::ranges::any_of(shown.clip_planes, cuts)) continue;
         const glm::dvec2 pixel = view.seen_at(middle), beyond(larger * radius);
         if (glm::any(glm::lessThan(pixel, -beyond)) ||
             glm::any(glm::greaterThan(pixel, glm::dvec2(shown.width, shown.height) + beyond)))

@@ -67,6 +67,7 @@ class PageViewer final : public Viewer, ServerEvents {
   }
 
   std::optional<NextPart> next_part() override {
+    server_.stop();  // until then a signal may end the job
     const std::lock_guard lock(mutex_);
     return next_part_;
   }
@@ -105,7 +106,8 @@ class PageViewer final : public Viewer, ServerEvents {
   void end(const std::string& message) override {
     {
       const std::lock_guard lock(mutex_);
-      if (std::exchange(ended_, true)) return;
+      const bool opens = std::exchange(next_part_, std::nullopt).has_value();
+      if (std::exchange(ended_, true) && !opens) return;
     }
     wake();
     requests_.end();
@@ -162,10 +164,14 @@ class PageViewer final : public Viewer, ServerEvents {
   }
 
   void handle(ClientId client, ViewMessage&& view) {
-    for (const Level& level : views_.levels())
-      check_frame(frames_of(view.scene, level, options_).front().spec, options_.volume.grid);
+    check_drawable(view.scene);
     const std::lock_guard lock(mutex_);
     if (audience_.drives(client)) views_.put(std::move(view));
+  }
+
+  void check_drawable(const SceneState& scene) const {
+    for (const Level& level : views_.levels())
+      check_frame(frames_of(scene, level, options_).front().spec, options_.volume.grid);
   }
 
   void handle(ClientId client, const AckMessage& ack) {
@@ -202,7 +208,9 @@ class PageViewer final : public Viewer, ServerEvents {
   }
 
   void handle(ClientId client, const PartMessage& wanted) {
-    if (!options_.finer && !options_.is_part) throw InputError("the volume is shown as finely as it can be");
+    if (!(wanted.seen ? options_.finer : options_.is_part))
+      throw InputError(wanted.seen ? "the volume is shown as finely as it can be" : "all is shown already");
+    check_drawable(wanted.scene);
     NextPart next{{}, wanted.scene, options_.volume.grid, server_.successor(), options_.part + 1};
     if (wanted.seen) next.box = seen_box(wanted.scene, options_.volume.grid);
     {
@@ -212,7 +220,7 @@ class PageViewer final : public Viewer, ServerEvents {
       ended_ = true;
     }
     requests_.end();
-    server_.end(text_of({{"type", "opening"}}));
+    server_.end(text_of({{"type", "opening"}}), true);
   }
 
   void handle(ClientId client, const CancelMessage& asked) { requests_.cancel_movie(client, asked.id); }

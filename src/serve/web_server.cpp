@@ -63,11 +63,11 @@ struct WebServer::Impl {
     wait_for_signal();
   }
 
-  void end(const std::shared_ptr<const std::string>& last_text) {
+  void end(const std::shared_ptr<const std::string>& last_text, bool hears_signals) {
     if (std::exchange(shared_.ending, true)) return;
     error_code ignored;
     acceptor_.close(ignored);
-    signals_.cancel(ignored);
+    if (!hears_signals) signals_.cancel(ignored);
     for (const auto& [id, client] : shared_.clients) {
       client->send(false, last_text);
       client->close();
@@ -121,12 +121,16 @@ struct WebServer::Impl {
 WebServer::WebServer(const ServerOptions& options, ServerEvents& events)
     : impl_(std::make_unique<Impl>(options, events)) {}
 
-WebServer::~WebServer() {
+WebServer::~WebServer() { stop(); }
+
+void WebServer::stop() {
   asio::post(impl_->shared_.io, [this] {
     if (!impl_->shared_.ending) impl_->shared_.io.stop();  // otherwise end() has seen to it
   });
   if (impl_->thread_.joinable()) impl_->thread_.join();
   impl_->shared_.events = nullptr;
+  error_code ignored;
+  impl_->signals_.clear(ignored);  // from now on they do what they do without a server
 }
 
 void WebServer::start() {
@@ -154,9 +158,11 @@ void WebServer::send(ClientId id, bool binary, std::shared_ptr<const std::string
   });
 }
 
-void WebServer::end(std::string last_text) {
+void WebServer::end(std::string last_text, bool hears_signals) {
   asio::post(impl_->shared_.io,
-             [this, last = std::make_shared<const std::string>(std::move(last_text))] { impl_->end(last); });
+             [this, hears_signals, last = std::make_shared<const std::string>(std::move(last_text))] {
+               impl_->end(last, hears_signals);
+             });
 }
 
 }  // namespace ringsplat::serve

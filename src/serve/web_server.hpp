@@ -39,8 +39,10 @@ class WebServer {
  public:
   /// Binds the port. `events` must outlive this. Throws InputError when the address or port cannot be had.
   WebServer(const ServerOptions& options, ServerEvents& events);
-  /// Closes all connections at once.
+  /// Closes all connections at once, or waits for what end() began.
   ~WebServer();
+  /// As the destructor.
+  void stop();
 
   /// From now on there are events.
   void start();
@@ -56,8 +58,8 @@ class WebServer {
     send(client, false, std::make_shared<const std::string>(std::move(text)));
   }
   /// Sends a last text to all clients, closes the connections, and takes no more. Returns at once; the
-  /// destructor waits up to a second for slow clients.
-  void end(std::string last_text);
+  /// destructor waits up to a second for slow clients. `hears_signals`: until then signals are still events.
+  void end(std::string last_text, bool hears_signals = false);
 
  private:
   struct Impl;

@@ -406,7 +406,7 @@ if __name__ == "__main__":
     running = start(given, *(word.format(scratch=given.scratch, faults=given.faults) for word in more))
     try:
         test(given, running)
-        may_be_gone = ("ends", "errors", "coarse_ends", "coarse_stopped", "killed_rank", "movie_failures", "opens")
+        may_be_gone = ("ends", "errors", "coarse_ends", "coarse_stopped", "parts", "killed_rank", "movie_failures", "opens")
         expect(running.process.poll() is None or given.case in may_be_gone, "the server is gone")
         if running.process.poll() is None:
             expect(running.stop() == 0, "the job failed: " + running.errors)
