@@ -108,10 +108,10 @@ class PageViewer final : public Viewer, ServerEvents {
       const std::lock_guard lock(mutex_);
       const bool opens = std::exchange(next_part_, std::nullopt).has_value();
       if (std::exchange(ended_, true) && !opens) return;
+      server_.end(text_of({{"type", "end"}, {"message", message}}));  // before who waits for it can stop it
     }
     wake();
     requests_.end();
-    server_.end(text_of({{"type", "end"}, {"message", message}}));
   }
 
  private:
@@ -218,9 +218,9 @@ class PageViewer final : public Viewer, ServerEvents {
       if (ended_ || !audience_.drives(client)) return;
       next_part_ = std::move(next);
       ended_ = true;
+      server_.end(text_of({{"type", "opening"}}));
     }
     requests_.end();
-    server_.end(text_of({{"type", "opening"}}), true);
   }
 
   void handle(ClientId client, const CancelMessage& asked) { requests_.cancel_movie(client, asked.id); }

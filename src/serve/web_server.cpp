@@ -1,6 +1,7 @@
 // The only source that includes Beast, which takes half a minute to compile.
 #include "serve/web_server.hpp"
 
+#include <atomic>
 #include <csignal>
 #include <thread>
 
@@ -63,11 +64,10 @@ struct WebServer::Impl {
     wait_for_signal();
   }
 
-  void end(const std::shared_ptr<const std::string>& last_text, bool hears_signals) {
+  void end(const std::shared_ptr<const std::string>& last_text) {
     if (std::exchange(shared_.ending, true)) return;
     error_code ignored;
     acceptor_.close(ignored);
-    if (!hears_signals) signals_.cancel(ignored);
     for (const auto& [id, client] : shared_.clients) {
       client->send(false, last_text);
       client->close();
@@ -111,6 +111,7 @@ struct WebServer::Impl {
   Shared shared_;
   std::string name_;
   ServerOptions successor_;
+  std::atomic<bool> ends_ = false;  ///< end() was called
   tcp::acceptor acceptor_;
   asio::steady_timer pause_;
   Clock::time_point last_moment_;
@@ -124,9 +125,7 @@ WebServer::WebServer(const ServerOptions& options, ServerEvents& events)
 WebServer::~WebServer() { stop(); }
 
 void WebServer::stop() {
-  asio::post(impl_->shared_.io, [this] {
-    if (!impl_->shared_.ending) impl_->shared_.io.stop();  // otherwise end() has seen to it
-  });
+  if (!impl_->ends_) impl_->shared_.io.stop();  // otherwise end() sees to it
   if (impl_->thread_.joinable()) impl_->thread_.join();
   impl_->shared_.events = nullptr;
   error_code ignored;
@@ -158,11 +157,10 @@ void WebServer::send(ClientId id, bool binary, std::shared_ptr<const std::string
   });
 }
 
-void WebServer::end(std::string last_text, bool hears_signals) {
+void WebServer::end(std::string last_text) {
+  impl_->ends_ = true;  // at once: what threads post may be done in another order
   asio::post(impl_->shared_.io,
-             [this, hears_signals, last = std::make_shared<const std::string>(std::move(last_text))] {
-               impl_->end(last, hears_signals);
-             });
+             [this, last = std::make_shared<const std::string>(std::move(last_text))] { impl_->end(last); });
 }
 
 }  // namespace ringsplat::serve

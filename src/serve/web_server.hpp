@@ -58,8 +58,8 @@ class WebServer {
     send(client, false, std::make_shared<const std::string>(std::move(text)));
   }
   /// Sends a last text to all clients, closes the connections, and takes no more. Returns at once; the
-  /// destructor waits up to a second for slow clients. `hears_signals`: until then signals are still events.
-  void end(std::string last_text, bool hears_signals = false);
+  /// destructor, or stop(), waits up to a second for slow clients. Until then signals are still events.
+  void end(std::string last_text);
 
  private:
   struct Impl;
