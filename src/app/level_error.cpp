@@ -11,6 +11,7 @@
 #include "classify/piecewise.hpp"
 #include "truth/field.hpp"
 #include "truth/sampling.hpp"
+#include "volume/clipped.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -47,7 +48,7 @@ std::string level_error(const Image& picture, const truth::Scene& shown, const R
   part.first += glm::ivec3(0.5 * (1 - kept) * dims);
   part.end = part.first + glm::max(glm::ivec3(kept * dims), 1);
   level.frame.shown.clip = part;
-  const VoxelBox of_finest{part.first * coarser, glm::min(part.end * coarser, finest.dims)};
+  const VoxelBox of_finest = box_in_finest(part, coarser, finest.dims);
   const auto source = open_volume(part_of(volume, of_finest));
   truth::Scene fine{source->grid(), truth::read_values(*source), shown.frame};
   if (VolumeSource* const labels = source->labels()) fine.labels = truth::read_labels(*labels);

@@ -71,8 +71,10 @@ ExitCode run(const ReferenceOptions& o) {
                              evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
     };
     Image image = true_image();
-    scene.frame.shown.values = true;
-    if (spec.shown.depth) take_depths(image, true_image());
+    if (spec.shown.depth) {
+      scene.frame = depth_frame_of(spec);
+      take_depths(image, true_image());
+    }
     progress.end();
     write_image(image, file_of_view(o.picture, o.picture.output, k), o.picture.background,
                 settings_text(spec, o));

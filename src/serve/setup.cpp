@@ -26,28 +26,31 @@ VoxelBox seen_box(const SceneState& scene, const Grid& grid) {
   const ViewTransform view = make_view(shown.camera, lattice_frame(grid), shown.width, shown.height);
   // Cells of some voxels each are seen as balls round their middles.
   const glm::ivec3 cell = (all.dims() + 63) / 64;
+  const double world_radius = 0.5 * glm::length(grid.spacing * glm::dvec3(cell));
   double radius = 0;
   for (int k = 0; k < 3; ++k) radius += 0.5 * cell[k] * glm::length(glm::dvec2(view.linear[k]));
-  const double world_radius = 0.5 * glm::length(grid.spacing * glm::dvec3(cell));
+  const auto is_cut = [&](const glm::dvec3& middle) {
+    const glm::dvec3 from_middle =
+        grid.direction * (grid.spacing * (middle - 0.5 * glm::dvec3(grid.dims - 1)));
+    return std::ranges::any_of(shown.clip_planes, [&](const ClipPlane& plane) {
+      return glm::dot(glm::normalize(plane.normal), from_middle) + world_radius < plane.distance;
+    });
+  };
+  const auto is_in_picture = [&](const glm::dvec3& middle) {
+    const double larger = view.magnification(middle);
+    if (!std::isfinite(larger)) return false;
+    const glm::dvec2 pixel = view.seen_at(middle), beyond(larger * radius);
+    return glm::all(glm::greaterThanEqual(pixel, -beyond)) &&
+           glm::all(glm::lessThanEqual(pixel, glm::dvec2(shown.width, shown.height) + beyond));
+  };
   VoxelBox seen{all.end, all.first};
   glm::ivec3 at;
   for (at.z = all.first.z; at.z < all.end.z; at.z += cell.z)
     for (at.y = all.first.y; at.y < all.end.y; at.y += cell.y)
-      for (at.x = all.first.x; at.x < all.end.x; at.x += cell.x) {
-        const glm::dvec3 middle = glm::dvec3(at) + 0.5 * glm::dvec3(cell) - 0.5;
-        const double larger = view.magnification(middle);
-        const glm::dvec3 from_middle =
-            grid.direction * (grid.spacing * (middle - 0.5 * glm::dvec3(grid.dims - 1)));
-        const auto cuts = [&](const ClipPlane& plane) {
-          return glm::dot(glm::normalize(plane.normal), from_middle) + world_radius < plane.distance;
-        };
-        if (!std::isfinite(larger) || std::ranges::any_of(shown.clip_planes, cuts)) continue;
-        const glm::dvec2 pixel = view.seen_at(middle), beyond(larger * radius);
-        if (glm::any(glm::lessThan(pixel, -beyond)) ||
-            glm::any(glm::greaterThan(pixel, glm::dvec2(shown.width, shown.height) + beyond)))
-          continue;
-        seen = {glm::min(seen.first, at), glm::max(seen.end, glm::min(at + cell, all.end))};
-      }
+      for (at.x = all.first.x; at.x < all.end.x; at.x += cell.x)
+        if (const auto middle = glm::dvec3(at) + 0.5 * glm::dvec3(cell) - 0.5;
+            is_in_picture(middle) && !is_cut(middle))
+          seen = {glm::min(seen.first, at), glm::max(seen.end, glm::min(at + cell, all.end))};
   if (glm::any(glm::lessThanEqual(seen.end, seen.first)))
     throw InputError("the picture shows nothing of the volume", "move the volume back into it");
   return seen;

@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstring>
-#include <vector>
 
 #include "sheet_engine/paint_group.hpp"
 
@@ -59,6 +58,18 @@ void mix_pixel(float* pixel, std::span<const float* const> alone) {
   std::copy_n(sum.data(), 4, pixel);
 }
 
+/// Of a tile in a group. `alone`: the group's pixels behind each volume by itself, in rows of group_row.
+void mix_tile(const PixelGroup& group, int tile, std::span<const float* const> alone) {
+  constexpr int tiles_a_row = group_side / tile_side;
+  const int x0 = tile % tiles_a_row * tile_side, y0 = tile / tiles_a_row * tile_side;
+  for (int y = y0; y < std::min(y0 + tile_side, group.height); ++y)
+    for (int x = x0; x < std::min(x0 + tile_side, group.width); ++x) {
+      std::array<const float*, most_channels> pixels;
+      for (std::size_t i = 0; i < alone.size(); ++i) pixels[i] = alone[i] + y * group_row + 4 * x;
+      mix_pixel(group.rgba + y * group.row_floats + 4 * x, std::span(pixels).first(alone.size()));
+    }
+}
+
 MaskedSlabs part_of(const MaskedSlabs& all, std::size_t first, std::size_t end) {
   return {all.slabs.subspan(first, end - first), all.masks + std::ptrdiff_t(first) * all.stride, all.stride};
 }
@@ -97,36 +108,26 @@ void mix_slab(std::span<const PaintedChannel> channels, const PixelGroup& group,
     paint(TileMask(mask_of(channel) & mixed), copy);
     alone[count++] = copy.rgba;
   }
-  constexpr int tiles_a_row = group_side / tile_side;
-  for (unsigned left = mixed; left != 0; left &= left - 1) {
-    const int tile = std::countr_zero(left), x0 = tile % tiles_a_row * tile_side,
-              y0 = tile / tiles_a_row * tile_side;
-    for (int y = y0; y < std::min(y0 + tile_side, group.height); ++y)
-      for (int x = x0; x < std::min(x0 + tile_side, group.width); ++x) {
-        const float* at[most_channels];
-        for (std::size_t i = 0; i < count; ++i) at[i] = alone[i] + y * group_row + 4 * x;
-        mix_pixel(group.rgba + y * group.row_floats + 4 * x, {at, count});
-      }
-  }
+  for (unsigned left = mixed; left != 0; left &= left - 1)
+    mix_tile(group, std::countr_zero(left), {alone, count});
 }
 
 }  // namespace
 
 void mix_group(std::span<const PaintedChannel> channels, const PixelGroup& group) {
   const std::size_t slabs = channels.front().slabs.slabs.size();
-  for (std::size_t first = 0, end = 0; first < slabs; first = end) {
+  for (std::size_t first = 0; first < slabs;) {
     // Many slabs in turn of one volume are painted at once.
-    unsigned shown = shown_in(channels, first);
-    for (end = first + 1; end < slabs; ++end) {
-      const unsigned next = shown | shown_in(channels, end);
-      if (std::popcount(next) > 1) break;
-      shown = next;
+    std::size_t end = first;
+    unsigned shown = 0, more = 0;
+    for (; end < slabs; ++end, shown = more)
+      if (more = shown | shown_in(channels, end); std::popcount(more) > 1) break;
+    if (shown != 0) {
+      const PaintedChannel& only = channels[std::size_t(std::countr_zero(shown))];
+      paint_group(*only.paint, group, part_of(only.slabs, first, end));
     }
-    if (std::popcount(shown) > 1)
-      mix_slab(channels, group, first);
-    else if (shown != 0)
-      paint_group(*channels[std::size_t(std::countr_zero(shown))].paint, group,
-                  part_of(channels[std::size_t(std::countr_zero(shown))].slabs, first, end));
+    if (end < slabs) mix_slab(channels, group, end++);
+    first = end;
   }
 }
 

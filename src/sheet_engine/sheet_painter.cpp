@@ -242,16 +242,15 @@ class SheetPainter final : public FramePainter<SheetFrame> {
 
   void paint(std::size_t g, const PixelGroup& pixels) const {
     if (shown_.size() == 1) return paint_group(shown_.front()->paint(), pixels, slabs_of(*shown_.front(), g));
+    std::vector<PaintedChannel> channels;
+    for (std::size_t k = 0; k < shown_.size(); ++k)
+      if (shown_[k]->ready()) channels.push_back({&shown_[k]->paint(), slabs_of(*shown_[k], g), int(k)});
+    if (frame_->composites()) return mix_group(channels, pixels);
     // Volumes of floats have planes of another kind than those of few whole numbers.
-    std::vector<PaintedChannel> whole, floats, all;
-    for (std::size_t k = 0; k < shown_.size(); ++k) {
-      if (!shown_[k]->ready()) continue;
-      all.push_back({&shown_[k]->paint(), slabs_of(*shown_[k], g), int(k)});
-      (shown_[k]->paint().floats ? floats : whole).push_back(all.back());
-    }
-    if (frame_->composites()) return mix_group(all, pixels);
-    for (const auto& channels : {whole, floats})
-      if (!channels.empty()) paint_channels(channels, shown_.size(), pixels);
+    const auto floats = std::ranges::stable_partition(
+        channels, [](const PaintedChannel& channel) { return !channel.paint->floats; });
+    for (const std::span alike : {std::span(channels.begin(), floats.begin()), std::span(floats)})
+      if (!alike.empty()) paint_channels(alike, shown_.size(), pixels);
   }
 
   std::map<std::size_t, PaintedVolume> volumes_;  ///< by number

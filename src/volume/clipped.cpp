@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <glm/common.hpp>
 #include <utility>
 
 #include "ringsplat/base/error.hpp"
@@ -55,6 +56,12 @@ VoxelBox box_in_level(const VoxelBox& box, const glm::ivec3& finest, const glm::
     scaled.end[k] = int((std::int64_t(box.end[k]) * level[k] + finest[k] - 1) / finest[k]);
   }
   return scaled;
+}
+
+VoxelBox box_in_finest(const VoxelBox& box, const glm::dvec3& each, const glm::ivec3& finest) {
+  constexpr double rounding = 1e-6;
+  return {glm::ivec3(glm::floor(glm::dvec3(box.first) * each + rounding)),
+          glm::min(glm::ivec3(glm::ceil(glm::dvec3(box.end) * each - rounding)), finest)};
 }
 
 Grid clipped_grid(const Grid& grid, const VoxelBox& box) {

@@ -6,6 +6,10 @@
 
 namespace ringsplat {
 
+/// The voxels of the finest level, of `finest` along the axes, that are shown by those of a level each of
+/// whose voxels is as large as `each` of them.
+VoxelBox box_in_finest(const VoxelBox& box, const glm::dvec3& each, const glm::ivec3& finest);
+
 /// Copies what lies in the box of a z slice of `grid`: of every `step`-th row every `step`-th scalar.
 void copy_clipped(const Grid& grid, const VoxelBox& box, const std::byte* slice, std::byte* out,
                   int step = 1);
