@@ -27,9 +27,6 @@ void prepare_simulation(RunOptions& options, Launch& launch) {
   SimulationOptions& simulation = options.simulation;
   launch.check_on_all_ranks([&] {
     if (!options.machine.empty()) simulation.machine = read_machine(options.machine);
-    if (simulation.step_seconds > 0 && !simulated())
-      throw InputError("--step-seconds needs the clock that simulated ranks have in common",
-                       "start it with scripts/simulate.sh, or use --in-step in one process");
     if (simulated() && options.threads_per_rank.value_or(1) > 1)
       throw InputError(
           "--threads-per-rank has no meaning for simulated ranks, whose machine says what their work costs",
@@ -45,7 +42,6 @@ void prepare_simulation(RunOptions& options, Launch& launch) {
   if (!simulated()) return;
   // Simulated time leaps while ranks wait; the simulator itself detects that no rank can go on.
   protocol.stall_timeout = std::numeric_limits<double>::infinity();
-  if (simulation.step_seconds > 0) protocol.frames_in_flight = 1;
 }
 
 /// Finds everything wrong with a frame before a voxel is read.

@@ -1,39 +1,28 @@
 #pragma once
-#include <cmath>
 #include <cstdint>
-#include <functional>
 #include <list>
 #include <map>
 #include <memory>
 #include <utility>
 
-#include "base/clock.hpp"
 #include "net/mesh.hpp"
 #include "net/transport.hpp"
 
 namespace ringsplat {
 
 /// Moves all tokens one GP per step, whatever the delays: the clock that the proof in mesh.hpp assumes, for
-/// runs in one process and for simulated ones. The tokens form a train, in the order in which the front
+/// runs in one process. The tokens form a train, in the order in which the front
 /// slice's owner first uses them. The k-th one's payload of traversal step s leaves in step k + s after the
 /// frame's start, and the token itself in the step after.
 class LockStep {
  public:
-  /// With `step_seconds` one rank's lock step by now_seconds(), which must be common to all ranks, as it is
-  /// under simulation. A step lasts so long: longer than encoding a slice, and than a payload and its accept
-  /// take. `nap(seconds)` lets time pass on a rank that has nothing else to do.
-  explicit LockStep(double step_seconds = 0, std::function<void(double)> nap = {})
-      : step_seconds_(step_seconds), nap_(std::move(nap)) {}
-
   /// True when a message may leave its node now.
   bool may_leave(const Header& h) {
     if (h.kind != Kind::payload && h.kind != Kind::token) return true;
     const TokenPlace place = *token_place(h);
-    const bool timed = step_seconds_ > 0;
-    if (timed) now_ = std::llround(std::floor(now_seconds() / step_seconds_));
     if (h.frame != frame_) {
       frame_ = h.frame;
-      frame_start_ = timed ? now_ + 1 : now_;
+      frame_start_ = now_;
       start_.clear();
     }
     const auto [start, is_new] = start_.try_emplace(place.renderer);
@@ -50,14 +39,8 @@ class LockStep {
   void advance() { ++now_; }
   /// Number of messages kept at their nodes until their step.
   int kept = 0;
-  /// For a rank that keeps messages: sleeps a little before it looks at the clock again.
-  void wait() const {
-    if (nap_) nap_(step_seconds_ / 64);
-  }
 
  private:
-  double step_seconds_;
-  std::function<void(double)> nap_;
   std::int64_t now_ = 0;
   std::int64_t frame_ = -1, frame_start_ = 0;  ///< of the frame under way; there is only one at a time
   std::map<int, std::int64_t> start_;          ///< by Renderer: when its token is at step 0
@@ -66,7 +49,6 @@ class LockStep {
 /// Keeps the payloads and tokens of this rank's nodes until their step of a lock-step clock.
 class LockStepTransport final : public TransportDecorator {
  public:
-  /// Ranks of one process share a clock; others have one each.
   LockStepTransport(Transport& links, std::shared_ptr<LockStep> clock)
       : TransportDecorator(links), clock_(std::move(clock)) {}
 
@@ -87,10 +69,6 @@ class LockStepTransport final : public TransportDecorator {
     });
     clock_->kept -= int(left);
     return released || left > 0;
-  }
-  void wait_next() override { kept_.empty() ? inner_.wait_next() : clock_->wait(); }
-  void wait_between_frames(const Sleep& sleep) override {
-    kept_.empty() ? inner_.wait_between_frames(sleep) : clock_->wait();
   }
 
  private:

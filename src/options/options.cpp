@@ -219,9 +219,6 @@ void add_machine_options(OptionList& list, RunOptions& o) {
       {"--voxel-weight", nullptr, initial,
        "With --count-only: so many voxels of its slice for which each voxel stands",
        value(o.simulation.voxel_weight, {1.0, 1e6})},
-      {"--step-seconds", nullptr, initial,
-       "Tokens move one GP per step of a common clock, which lasts so long; 0: freely",
-       value(o.simulation.step_seconds, {0.0, 1e6})},
   };
 }
 

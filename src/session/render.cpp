@@ -199,7 +199,7 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
   const auto engine = engine_of(wiring.transport->rank());
   const auto network = options.network ? options.network(*wiring.transport) : nullptr;
   Transport& transport = network ? *network : *wiring.transport;
-  Host(layout, protocol, transport, *engine, &frames, {.pace = options.pace}).run();
+  Host(layout, protocol, transport, *engine, &frames).run();
 }
 
 std::unique_ptr<Engine> make_engines(EngineSetup setup, std::vector<MakeEngine> methods) {

@@ -36,7 +36,6 @@ struct EngineOptions {
   // What studies of machines put in place of a run's parts (simulate/simulation.hpp); empty: the usual ones.
   std::function<std::unique_ptr<Engine>(EngineSetup setup)> engine = {};
   std::function<std::unique_ptr<Transport>(Transport& network)> network = {};  ///< on which messages travel
-  std::function<std::unique_ptr<Transport>(Transport& links)> pace = {};  ///< at which they leave their nodes
 };
 
 /// Bytes of sheets' planes that a Renderer keeps unless somebody says how many: its share of 2 GiB, or of a

@@ -5,7 +5,6 @@
 #include "base/clock.hpp"
 #include "frame/engine_setup.hpp"
 #include "frame/frame_spec_bytes.hpp"
-#include "net/lock_step.hpp"
 #include "protocol/engine_decorator.hpp"
 #include "protocol/joined_step.hpp"
 #include "session/render_frames.hpp"
@@ -248,10 +247,6 @@ void simulate(const SimulationOptions& simulation, EngineOptions& options) {
   if (simulation.machine)
     options.network = [machine = *simulation.machine, simulation](Transport& network) {
       return std::make_unique<ChargedTransport>(network, machine, simulation.count_only);
-    };
-  if (simulation.step_seconds > 0)
-    options.pace = [seconds = simulation.step_seconds](Transport& links) {
-      return std::make_unique<LockStepTransport>(links, std::make_shared<LockStep>(seconds, charge));
     };
 }
 

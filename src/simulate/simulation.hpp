@@ -11,7 +11,6 @@ struct SimulationOptions {
   std::optional<Machine> machine = {};  ///< nodes charge its costs to the simulated clock
   bool count_only = false;  ///< payloads have their true size but carry only counts, and nothing is drawn
   double voxel_weight = 1;  ///< with count_only: voxels of a slice that each voxel stands for
-  double step_seconds = 0;  ///< seconds a lock step of payloads and tokens; 0: no lock step
 };
 
 /// Makes a run a simulated one, or one that only counts.

@@ -95,7 +95,6 @@ const std::vector<Case> command_line_cases{
     {"render {in}/good.nrrd", "--output"},
     {"render {in}/good.nrrd --count-only -o {out}/x.png", "--count-only and --output"},
     {"+ --voxel-weight 4", "--voxel-weight"},
-    {"+ --step-seconds 1", "--step-seconds"},
     {"+ --machine {in}/none.toml", "none.toml"},
     {"+ --sizee 512", "did you mean --size?", true},
     {"+ --window 0:80", "did you mean --range?"},

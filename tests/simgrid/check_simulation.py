@@ -127,16 +127,6 @@ def determinism(run):
         same("its nodes spend the same seconds", nodes[0] == nodes[1], True)
 
 
-def in_step(run):
-    """In step the same payloads are sent, and a frame has a step for each slice at least."""
-    layout = 'topology = "mesh"\nmesh = "4x4"\nrenderers = 8\nrouting = "direct"\nregion = 64'
-    view = [HEAD, "--count-only", "--frames-in-flight", "1", *VIEW]
-    machine = os.path.join(REPO, "mpi_configs/machines/pixel-planes-5-mesh.toml")
-    (free,), (paced,) = (run.simulate(layout, *view, *pace, machine=machine) for pace in ([], ["--step-seconds", "1"]))
-    same("payloads", paced["total"]["payloads_sent"], free["total"]["payloads_sent"])
-    same("a step a slice", paced["seconds"] >= paced["total"]["slices"] > free["seconds"], True)
-
-
 def count_only(run):
     """A run that only counts sends the same bytes and takes the same time as one that draws."""
     layout = "gps = 6\nrenderers = 4"
@@ -299,7 +289,7 @@ def bad_input(run):
 
 
 def main():
-    cases = {f.__name__: f for f in (image, seconds, determinism, in_step, count_only, sheets, waiting, roles, forecast, bundles, bad_input)}
+    cases = {f.__name__: f for f in (image, seconds, determinism, count_only, sheets, waiting, roles, forecast, bundles, bad_input)}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("case", choices=cases)
     parser.add_argument("--build", required=True)
