@@ -369,9 +369,6 @@ void check_film(const RenderOptions& o) {
   if (o.orbit == 0 && o.path.empty() && !o.frames)
     throw InputError(fmt::format("-o {} is a film, and one view is none", o.output),
                      "turn around the volume with --orbit 120, or write a picture: -o picture.png");
-  if (o.path == "-")
-    throw InputError(fmt::format("-o {}: a film has no part in --path -, which answers each view", o.output),
-                     "write pictures: -o frame.png");
   find_ffmpeg(o.output);
 }
 

@@ -290,8 +290,6 @@ struct Foreseen {
 };
 
 Foreseen foresee(const InfoOptions& o, VolumeSource& source, Progress& progress) {
-  if (o.picture.path == "-")
-    throw InputError("info takes no views from stdin", "write them into a file for --path");
   RenderOptions picture = o.picture;
   if (const auto note = complete_view(picture, source.grid(), source.notes()); !note.empty()) {
     progress.clear();

@@ -36,8 +36,6 @@ ExitCode run(const ReferenceOptions& o) {
   check_image_name(o.picture.output, "-o", true);
   check_outputs(o.picture);
   require_image_library();
-  if (o.picture.path == "-")
-    throw InputError("reference takes no views from stdin", "write them into a file for --path");
   if (!o.without_effect.empty())
     log_warning("{} change{} nothing in the {} truth", joined(o.without_effect, ", "),
                 o.without_effect.size() == 1 ? "s" : "", name(o.truth));

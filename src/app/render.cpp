@@ -1,5 +1,3 @@
-#include <iostream>
-#include <memory>
 #include <utility>
 #include <vector>
 
@@ -16,37 +14,6 @@
 
 namespace ringsplat::app {
 namespace {
-
-/// Renders the stream's views as they come, and shows when it waits for one while none is under way.
-Director director_of(const FrameSpec& frame, const std::shared_ptr<ViewStream>& stream,
-                     const std::function<void(FrameResult&&)>& take, Progress& progress) {
-  const auto under_way = std::make_shared<int>(0);
-  const auto next = [=, &progress, waiting = false]() mutable -> std::optional<FrameSpec> {
-    const auto view = stream->next();
-    const bool waits = !view && *under_way == 0 && stream->may_come();
-    if (waits != std::exchange(waiting, waits)) progress.wait_for(waits ? "waiting for views on stdin" : "");
-    if (!view) return std::nullopt;
-    ++*under_way;
-    return frames_of(frame, {*view}).front();
-  };
-  const auto done = [=](FrameResult&& result) {
-    --*under_way;
-    take(std::move(result));
-  };
-  return {next, done, [stream] { return stream->may_come(); }};
-}
-
-/// The stream of `--path -`. What is passed by reference must outlive it.
-std::shared_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSpec& frame, const Grid& grid,
-                                           Progress& progress) {
-  const auto check = [&](const Camera& view) { check_frame(frames_of(frame, {view}).front(), grid); };
-  const auto warn = [&progress](const std::string& text) {
-    progress.clear();
-    log_warning("{}", text);
-  };
-  std::ios::sync_with_stdio(false);  // else std::cin takes an error for the end
-  return ViewStream::of(std::cin, "--path -", o.frame.shown.camera, {check, warn});
-}
 
 void write_trace(Trace& trace, const std::string& file, const Layout& layout, Launch& launch) {
   trace.compare_clocks(launch.collectives());
@@ -105,8 +72,6 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
     }
     output.take(std::move(result));
   };
-  std::shared_ptr<ViewStream> stream;
-  if (first_rank && o.path == "-") stream = views_on_stdin(o, frames[0], job.volume.grid, progress);
   Trace trace;
   ProtocolOptions protocol = o.run.protocol;
   if (!o.trace.empty()) protocol.trace = &trace;
@@ -116,10 +81,7 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
       const std::size_t part = volume * job.channels_drawn();
       loader.read_ahead(part + job.channels_drawn());
       output.show(job.part(part).path, scene.values.range);
-      render_all(
-          job, protocol, std::exchange(scene, {}),
-          stream ? director_of(frames[0], stream, take, progress) : director_of(job, volume, frames, take),
-          launch);
+      render_all(job, protocol, std::exchange(scene, {}), director_of(job, volume, frames, take), launch);
     }
   } catch (const InputError&) {
     progress.end();
@@ -133,7 +95,6 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
   if (o.error.truth) judge();
   finish(output, launch);
   if (!o.trace.empty()) write_trace(trace, o.trace, job.layout, launch);
-  if (o.path == "-") launch.check_on_rank_0([&] { stream->check_all_was_read(); });
   return held ? ExitCode::done : ExitCode::comparison_failed;
 }
 

@@ -1,12 +1,25 @@
 #include "app/views.hpp"
 
+#include <fmt/format.h>
+
+#include <array>
 #include <fstream>
+#include <iostream>
+#include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {
 
 using nlohmann::json;
+
+constexpr const char* path_line_hint =
+    "a line is: azimuth elevation [roll [zoom]], or JSON such as {\"azimuth\": 30, \"zoom\": 2}";
 
 constexpr std::pair<const char*, double Camera::*> fields[] = {
     {"azimuth", &Camera::azimuth}, {"elevation", &Camera::elevation},
@@ -58,71 +71,33 @@ Camera from_columns(const std::string& line, const std::string& where,
   return camera;
 }
 
-}  // namespace
-
-const char* const path_line_hint =
-    "a line is: azimuth elevation [roll [zoom]], or JSON such as {\"azimuth\": 30, \"zoom\": 2}";
-
-bool next_line(std::istream& in, PathLine& line) {
-  std::array<char, PathLine::most_bytes + 1> text{};
-  in.getline(text.data(), text.size());
-  const auto bytes = std::size_t(in.gcount());
-  if (bytes == 0) return false;
-  ++line.number;
-  line.too_long = in.fail();
-  line.text.assign(text.data(), line.too_long || in.eof() ? bytes : bytes - 1);
-  if (!line.too_long) return true;
-  in.clear();
-  in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-  return true;
-}
-
-std::vector<Camera> orbit(const Camera& start, int frames) {
-  std::vector<Camera> cameras(static_cast<std::size_t>(frames), start);
-  for (int k = 0; k < frames; ++k) cameras[std::size_t(k)].azimuth = start.azimuth + 360.0 * k / frames;
-  return cameras;
-}
-
-PathReader::PathReader(const Camera& defaults) : defaults_(defaults) {
-  for (const auto& field : std::span(fields).first(usual_columns)) columns_.push_back(field.second);
-}
-
-std::optional<Camera> PathReader::read(const PathLine& read, const std::string& where) {
-  std::string line = read.text;
-  if (read.too_long)
-    throw InputError(
-        fmt::format("{}: '{}' has more than {} bytes", where, excerpt(line), PathLine::most_bytes),
-        path_line_hint);
-  const auto first = line.find_first_not_of(" \t\r");
-  if (first == std::string::npos || line[first] == '#') return std::nullopt;
-  while (line.ends_with('\r') || line.ends_with(' ')) line.pop_back();
-  if (const auto named = columns_of(line); !named.empty() && !view_came_) {
-    columns_ = named;
-    return std::nullopt;
+/// Reads a path line by line.
+class PathReader {
+ public:
+  explicit PathReader(const Camera& defaults) : defaults_(defaults) {
+    for (const auto& field : std::span(fields).first(usual_columns)) columns_.push_back(field.second);
   }
-  const Camera view =
-      line[first] == '{' ? from_json(line, where, defaults_) : from_columns(line, where, columns_, defaults_);
-  view_came_ = true;
-  return view;
-}
 
-std::vector<Camera> parse_path(std::istream& in, const std::string& where, const Camera& defaults) {
-  PathReader reader(defaults);
-  std::vector<Camera> cameras;
-  for (PathLine line; next_line(in, line);) {
-    const auto view = reader.read(line, fmt::format("{}:{}", where, line.number));
-    if (!view) continue;
-    if (cameras.size() == most_views)
-      throw InputError(fmt::format("{}: there are more than {} views in it", where, most_views),
-                       "render it in parts, or take it from stdin: --path - < FILE");
-    cameras.push_back(*view);
+  /// The line's view, if it gives one. Throws InputError that begins with `where` and shows an excerpt.
+  std::optional<Camera> read(std::string line, const std::string& where) {
+    const auto first = line.find_first_not_of(" \t\r");
+    if (first == std::string::npos || line[first] == '#') return std::nullopt;
+    while (line.ends_with('\r') || line.ends_with(' ')) line.pop_back();
+    if (const auto named = columns_of(line); !named.empty() && !view_came_) {
+      columns_ = named;
+      return std::nullopt;
+    }
+    const Camera view = line[first] == '{' ? from_json(line, where, defaults_)
+                                           : from_columns(line, where, columns_, defaults_);
+    view_came_ = true;
+    return view;
   }
-  if (in.bad())
-    throw InputError(fmt::format("{} cannot be read to its end", where),
-                     "is the disk or the network at fault?");
-  if (cameras.empty()) throw InputError(fmt::format("{}: there is no view in it", where), path_line_hint);
-  return cameras;
-}
+
+ private:
+  Camera defaults_;
+  std::vector<double Camera::*> columns_;
+  bool view_came_ = false;
+};
 
 std::vector<Camera> read_path(const std::filesystem::path& file, const Camera& defaults) {
   std::ifstream in(file, std::ios::binary);
@@ -132,10 +107,47 @@ std::vector<Camera> read_path(const std::filesystem::path& file, const Camera& d
   return parse_path(in, file.string(), defaults);
 }
 
+}  // namespace
+
+std::vector<Camera> orbit(const Camera& start, int frames) {
+  std::vector<Camera> cameras(static_cast<std::size_t>(frames), start);
+  for (int k = 0; k < frames; ++k) cameras[std::size_t(k)].azimuth = start.azimuth + 360.0 * k / frames;
+  return cameras;
+}
+
+std::vector<Camera> parse_path(std::istream& in, const std::string& where, const Camera& defaults) {
+  constexpr std::size_t most_bytes = 4096;
+  PathReader reader(defaults);
+  std::vector<Camera> cameras;
+  std::array<char, most_bytes + 2> text{};
+  auto place = [&, number = 0]() mutable { return fmt::format("{}:{}", where, ++number); };
+  while (in.getline(text.data(), text.size())) {
+    const std::string line(text.data(), std::size_t(in.gcount()) - (in.eof() ? 0 : 1));
+    const auto view = reader.read(line, place());
+    if (!view) continue;
+    if (cameras.size() == most_views)
+      throw InputError(fmt::format("{}: there are more than {} views in it", where, most_views),
+                       "render it in parts");
+    cameras.push_back(*view);
+  }
+  if (in.bad())
+    throw InputError(fmt::format("{} cannot be read to its end", where),
+                     "is the disk or the network at fault?");
+  if (!in.eof())
+    throw InputError(
+        fmt::format("{}: '{}' has more than {} bytes", place(), excerpt(text.data()), most_bytes),
+        path_line_hint);
+  if (cameras.empty()) throw InputError(fmt::format("{}: there is no view in it", where), path_line_hint);
+  return cameras;
+}
+
 std::vector<Camera> views_of(const RenderOptions& o) {
   const Camera& start = o.frame.shown.camera;
   if (o.orbit > 0) return orbit(start, o.orbit);
-  if (o.path == "-") return {};
+  if (o.path == "-") {
+    std::ios::sync_with_stdio(false);  // else std::cin takes an error for the end
+    return parse_path(std::cin, "--path -", start);
+  }
   if (!o.path.empty()) return read_path(o.path, start);
   std::vector<Camera> cameras(std::max<std::size_t>(1, o.views.size()), start);
   constexpr double Camera::*parts[] = {&Camera::azimuth, &Camera::elevation, &Camera::roll, &Camera::zoom};

@@ -197,7 +197,7 @@ void add_view_options(OptionList& list, RenderOptions& o) {
        value(o.orbit, {1, 1'000'000}), Mark::of_program},
       {"--path", "FILE", nullptr,
        "A frame for each line of FILE: azimuth, elevation, roll, zoom, with commas or blanks, or as JSON; -: "
-       "for each line that comes on stdin",
+       "stdin",
        value(o.path), Mark::of_program},
   };
 }

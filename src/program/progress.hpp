@@ -60,8 +60,8 @@ class Progress {
     what_ = what;
     total_ = total;
     done_ = 0;
-    waiting_for_.clear();
-    start_clock();
+    started_ = now_seconds();
+    drawn_at_ = 0;
     working_ = true;
   }
   /// Units done so far.
@@ -77,14 +77,6 @@ class Progress {
     const std::lock_guard lock(mutex_);
     working_ = false;
     wipe();
-  }
-  /// Shows that the run waits for `what`, as in "waiting for views", until called with an empty text; off a
-  /// terminal prints it only once. The time shown counts from the last call.
-  void wait_for(const std::string& what) {
-    const std::lock_guard lock(mutex_);
-    wipe();
-    waiting_for_ = what;
-    start_clock();
   }
   /// Writes a line of results without the bar getting into it.
   void print(const std::string& line) {
@@ -117,18 +109,11 @@ class Progress {
     const double now = now_seconds();
     if (now - started_ < patience || now - drawn_at_ < (terminal_ ? redraw_seconds / 2 : line_seconds))
       return;
-    const bool waiting = !waiting_for_.empty();
-    if (waiting && !terminal_ && std::exchange(said_waiting_, true)) return;
     drawn_at_ = now;
-    const std::string text = waiting ? waiting_for_ : progress_text(what_, done_, total_, now - started_);
+    const std::string text = progress_text(what_, done_, total_, now - started_);
     std::fprintf(stderr, terminal_ ? "\r%s\x1b[K" : "ringsplat: %s\n", text.c_str());
     std::fflush(stderr);
     on_screen_ = terminal_;
-  }
-
-  void start_clock() {
-    started_ = now_seconds();
-    drawn_at_ = 0;
   }
 
   void wipe() {
@@ -143,9 +128,9 @@ class Progress {
   std::FILE* const results_;
   std::mutex mutex_;
   std::condition_variable_any changed_;
-  std::string what_, waiting_for_;
+  std::string what_;
   double total_ = 0, done_ = 0, started_ = 0, drawn_at_ = 0;
-  bool working_ = false, said_waiting_ = false, on_screen_ = false;
+  bool working_ = false, on_screen_ = false;
   std::jthread thread_;  ///< last: its end waits for the thread, which uses all of the above
 };
 

@@ -78,7 +78,6 @@ TEST_CASE("what cannot be a film is refused before anything is drawn, and so is 
   refused({"--orbit", "2"}, "needs ffmpeg, and no folder in PATH has it; hint: install it");
   studio.ffmpeg("exit 0\n");
   refused({}, "one view is none; hint: turn around the volume with --orbit");
-  refused({"--path", "-"}, "--path -");
 }
 
 TEST_CASE("the ffmpeg that is installed makes a film that it can read", "[mpi]") {

@@ -247,6 +247,5 @@ TEST_CASE("what cannot be a series is refused with a way out", "[mpi]") {
           "would replace");
   CHECK(read_text(series.folder / "x-0001.tif") == "not to be replaced");
   refused(series.render("all", {"--error", "method"}), "--error");
-  refused(series.render("all", {"--path", "-"}), "stdin");
   refused(series.render("all", {"--frame", "0"}), "--frame");
 }

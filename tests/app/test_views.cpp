@@ -65,7 +65,9 @@ TEST_CASE("a wrong path names its line") {
   refused("{\"a\\u0007\": 1}\n", "'a\\x07' is not azimuth");
   refused("", "no view");
   refused("azimuth elevation\n", "no view");
-  CHECK_THROWS_AS(read_path("/no/such/file.csv", {}), InputError);
+  RenderOptions options;
+  options.path = "/no/such/file.csv";
+  CHECK_THROWS_AS(views_of(options), InputError);
 }
 
 TEST_CASE("frames are numbered before the ending") {
