@@ -16,8 +16,6 @@
 namespace ringsplat::app {
 namespace {
 
-double least(const glm::dvec3& v) { return std::min({v.x, v.y, v.z}); }
-
 /// As dense by `factor`. Opacity is a line between points, which does not scale: points in between do.
 void scale_density(TransferFunction& tf, double factor) {
   tf.opacities = with_more(tf.opacities, [&](auto& all, std::size_t k) {
@@ -56,7 +54,7 @@ std::string level_error(const Image& picture, const truth::Scene& shown, const R
   fine.cut_from = {{shown.grid.dims * coarser, finest.spacing, finest.origin, finest.direction},
                    of_finest.first};
   fine.frame.shown.clip.reset();
-  scale_density(fine.frame.shown.transfer_function, least(finest.spacing) / least(shown.grid.spacing));
+  scale_density(fine.frame.shown.transfer_function, finest.unit_length() / shown.grid.unit_length());
 
   const auto sample =
       truth::draw_sample(picture, truth::field_bounds(level), options.error.pixels, options.error.seed);

@@ -278,7 +278,7 @@ std::optional<serve::NextPart> show(const Part& part, const std::optional<serve:
   std::unique_ptr<serve::Viewer> viewer;
   job = prepare(options, launch);
   launch.check_on_rank_0([&] {
-    if (part.is_new && voxel_side(job.volume.grid) >= voxel_side(last->grid))
+    if (part.is_new && job.volume.grid.unit_length() >= last->grid.unit_length())
       throw InputError("what is seen does not fit into the memory at a finer level",
                        "zoom in, choose a smaller clip box, or start with more --memory");
   });

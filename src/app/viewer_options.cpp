@@ -62,7 +62,7 @@ void go_on_as(const serve::NextPart& part, const Grid& grid, serve::ViewerOption
   shown.clip.reset();
   shown.clip_planes.clear();
   if (shown.mode == Mode::composite)
-    scale_opacity(shown.transfer_function, voxel_side(grid) / voxel_side(part.grid));
+    scale_opacity(shown.transfer_function, grid.unit_length() / part.grid.unit_length());
 }
 
 serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const Scene& scene,

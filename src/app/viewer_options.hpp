@@ -17,8 +17,4 @@ std::vector<ValueRange> ranges_of(const Scene& scene);
 /// The grid of the finest level of what is shown.
 const Grid& finest_of(const OpenedVolume& volume);
 
-inline double voxel_side(const Grid& grid) {
-  return std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
-}
-
 }  // namespace ringsplat::app

@@ -61,11 +61,10 @@ inline constexpr bool is_exact_in_int = std::is_integral_v<T> && sizeof(T) <= 2;
 /// Maps differences along the lattice axes to a world direction against the gradient: −D⁻ᵀ S⁻¹, scaled so
 /// that its largest element is one. Only the direction counts.
 glm::dmat3 against_gradient(const Grid& grid) {
-  const double smallest = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
   glm::dmat3 m = glm::transpose(glm::inverse(grid.direction));
   double largest = 0;
   for (int k = 0; k < 3; ++k) {
-    m[k] *= -smallest / grid.spacing[k];
+    m[k] *= -grid.unit_length() / grid.spacing[k];
     for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(m[k][r]));
   }
   return m / largest;

@@ -33,10 +33,7 @@ struct SheetFrame : SharedFrame {
     return by_length() ? geometry.traversal.slice_distance : double(shown.reduction.factor);
   }
   /// The unit length in world lengths; a reduced grid's spacings are multiples of it.
-  double unit_length() const {
-    const glm::dvec3& spacing = geometry.grid.spacing;
-    return std::min({spacing.x, spacing.y, spacing.z}) / shown.reduction.factor;
-  }
+  double unit_length() const { return geometry.grid.unit_length() / shown.reduction.factor; }
   bool nearest() const { return shown.interpolation == Interpolation::nearest; }
   /// From slice to slice. Nearest values change half-way, where one must end.
   int slabs() const {

@@ -138,7 +138,7 @@ struct GradientAxes {
 GradientAxes gradient_axes(const FrameGeometry& g) {
   const Grid& grid = g.grid;
   const glm::dmat3 inverse = glm::inverse(grid.direction);
-  const double smallest = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  const double smallest = grid.unit_length();
   const glm::ivec3 axes = axes_of(g);
   // A gradient is a covector: it is mapped to the world by the inverse transpose. Surfaces face away from
   // higher values.
@@ -211,8 +211,7 @@ GradientLight gradient_light(const SheetFrame& frame, double most, double of_val
   light.kk = scaled(upper[2][2]);
   if (shown.edges) {
     // Differences are over two voxels, in smallest spacings.
-    const double smallest = std::min({g.grid.spacing.x, g.grid.spacing.y, g.grid.spacing.z}),
-                 length = 2 * of_value * smallest;
+    const double length = 2 * of_value * g.grid.unit_length();
     light.edges = true;
     light.edge_from = scaled(shown.edges->from * length);
     light.over_edge = 1 / scaled((shown.edges->to - shown.edges->from) * length);

@@ -102,10 +102,7 @@ class Projector : EnclosedTracer {
       met = hull(met, s->values);
       return true;
     });
-    if (shown_.mode == Mode::sum) {
-      const glm::dvec3& spacing = scene_.grid.spacing;
-      return integral * std::min({spacing.x, spacing.y, spacing.z});
-    }
+    if (shown_.mode == Mode::sum) return integral * scene_.grid.unit_length();
     if (shown_.mode != Mode::mean) return extremum;
     return length.lower() > 0 ? clamped(integral / length, met.lower(), met.upper()) : met;
   }

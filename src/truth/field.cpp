@@ -79,8 +79,7 @@ class FieldIntegrator : Tracer {
       for (const double s : monotone_pieces(*cubic)) extremum = further(extremum, cubic->at(s));
       integral += (crossing.leave - crossing.enter) * (cubic->at(0) + 4 * cubic->at(0.5) + cubic->at(1)) / 6;
     }
-    const auto& spacing = scene_.grid.spacing;
-    if (shown_.mode == Mode::sum) return integral * std::min({spacing.x, spacing.y, spacing.z});
+    if (shown_.mode == Mode::sum) return integral * scene_.grid.unit_length();
     return shown_.mode == Mode::mean ? integral / (ray.leave - ray.enter) : extremum;
   }
 

@@ -43,9 +43,8 @@ Rays::Rays(const Scene& scene, const LatticeBox& box) : scene_(&scene), view_(vi
 }
 
 void Rays::point(LatticeRay& ray, const glm::dvec3& steps) const {
-  const glm::dvec3& spacing = scene_->grid.spacing;
-  const double smallest = std::min({spacing.x, spacing.y, spacing.z});
-  const glm::dvec3 world = scene_->grid.direction * (spacing / smallest * steps);
+  const Grid& grid = scene_->grid;
+  const glm::dvec3 world = grid.direction * (grid.spacing / grid.unit_length() * steps);
   ray.step = steps / glm::length(world);
   ray.to_viewer = -glm::normalize(world);
 }

@@ -173,10 +173,7 @@ Gradients::Gradients(const Scene& scene)
   if (largest > 0) scale_ = 1 / static_cast<long double>(largest);
 }
 
-double Gradients::unit() const {
-  const glm::dvec3& spacing = scene_.grid.spacing;
-  return double(scale_) * std::min({spacing.x, spacing.y, spacing.z});
-}
+double Gradients::unit() const { return double(scale_) * scene_.grid.unit_length(); }
 
 double Gradients::left_at_edge(double extinction, const glm::dvec3& normal) const {
   if (!scene_.frame.shown.edges) return extinction;

@@ -171,8 +171,7 @@ double count_of(const Bins& bins) {
 }
 
 double ValueStatistics::coarseness() const {
-  const auto side = [](const Grid& g) { return std::min({g.spacing.x, g.spacing.y, g.spacing.z}); };
-  return notes.finest ? side(grid) / side(*notes.finest) : 1;
+  return notes.finest ? grid.unit_length() / notes.finest->unit_length() : 1;
 }
 
 double ValueStatistics::quantile(double share) const {

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <glm/mat3x3.hpp>
@@ -61,6 +62,8 @@ struct Grid {
     return std::size_t(slice_width(axis)) * std::size_t(slice_height(axis));
   }
   std::size_t slice_bytes(Axis axis) const { return slice_voxels(axis) * size_of(type); }
+  /// The smallest spacing, which opacities are of.
+  double unit_length() const { return std::min({spacing.x, spacing.y, spacing.z}); }
 };
 
 /// Throws InputError (naming `where`) when a dimension is below 1, the spacing not one that can be
