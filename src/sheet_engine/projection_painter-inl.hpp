@@ -113,6 +113,7 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, State> {
     Along u, v;
     F w, enter;
     M inside{}, inside_last{};  ///< whether the field is above the surface's value at w, and at the back
+    M known{}, known_last{};    ///< where it is a number
 
     HWY_INLINE void go(F end) {
       u.go(end);
@@ -255,8 +256,10 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, State> {
     Walk walk = walk_of(s, corner, way);
     if (q_.mode == Mode::surface) {
       // By the slice's own voxels, so that slabs on both sides agree.
-      walk.inside = above_at(planes.front, rays_.at(s.ray, 0), corner);
-      walk.inside_last = above_at(planes.back, rays_.at(s.ray, slab_->pieces), corner);
+      const F first = value_at(planes.front, rays_.at(s.ray, 0), corner),
+              last = value_at(planes.back, rays_.at(s.ray, slab_->pieces), corner);
+      walk.inside = above(first), walk.known = equal(first, first);
+      walk.inside_last = above(last), walk.known_last = equal(last, last);
     }
     for_each_part(
         walk, way.leave, alive, [&](F end, M there) HWY_ATTR __attribute__((always_inline)) {
@@ -268,8 +271,8 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, State> {
     return but_not(equal(number, number), greater(set(q_.isovalue), number));
   }
 
-  HWY_INLINE M above_at(const typename Sampler::Plane& plane, const Position& at, Corner corner) const {
-    return above(Sampler::value(plane, this->sheet_in_box(at.u, at.v, corner), p_.pitch));
+  HWY_INLINE F value_at(const typename Sampler::Plane& plane, const Position& at, Corner corner) const {
+    return Sampler::value(plane, this->sheet_in_box(at.u, at.v, corner), p_.pitch);
   }
 
   HWY_INLINE void paint_part(State& s, Walk& walk, const PlanePair& planes, F end, M there) const {
@@ -334,11 +337,13 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, State> {
     const F one = set(1.0F);
     F first, second, from = set(0.0F), to = from;
     part.values.turns(first, second);
-    const M at_back = equal(part.to, one);
+    const M at_back = both(walk.known_last, equal(part.to, one));
     const F places[] = {first, second, one};
-    // The slice's voxels say nothing of where a ray comes in through the box's side.
-    const M comes_in = both(greater(part.from, from), equal(part.from, walk.enter));
-    walk.inside = choose_mask(comes_in, above(part.values.f0), walk.inside);
+    // The slice's voxels say nothing of where a ray comes in through the box's side, or out of a hole.
+    const M comes_in = both(greater(part.from, from), equal(part.from, walk.enter)),
+            number = equal(part.values.f0, part.values.f0);
+    walk.inside = choose_mask(but_not(walk.known, comes_in), walk.inside, above(part.values.f0));
+    walk.known = choose_mask(part.there, number, walk.known);
     M found = greater(from, to), inside = walk.inside;
     for (int i = 0; i < 3; ++i) {
       M here = above(part.values.at(places[i]));
@@ -349,7 +354,7 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, State> {
       to = choose(but_not(found, before), places[i], to);
       inside = here;
     }
-    found = both(found, part.there);
+    found = both(found, both(part.there, number));
     if (any(found)) show_surface(s, walk, planes, part, crossing(part.values, from, to, walk.inside), found);
     walk.inside = choose_mask(part.there, inside, walk.inside);
   }

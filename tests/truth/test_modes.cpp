@@ -242,6 +242,28 @@ TEST_CASE("with --values pixels hold a ray's numbers in all modes") {
     }
 }
 
+TEST_CASE("a surface does not close holes that are not a number") {
+  std::mt19937 random(3);
+  const Volume volume = make_volume({17, 19, 18}, ScalarType::float32, [&](int x, int y, int z) {
+    return random() % 9 == 0 ? double(NAN) : std::hypot(x - 8, y - 9, z - 8.5) + double(random() % 64) / 64;
+  });
+  for (const Camera& camera : cameras)
+    for (const bool values : {false, true}) {
+      FrameSpec spec = mode_spec(Mode::surface, camera, 0, 12);
+      spec.shown.isovalue = 6;
+      spec.shown.values = values;
+      const Image image = rendered(volume, spec), truth = field_image(volume, spec);
+      std::size_t apart = 0, there = 0;
+      for (std::size_t k = 3; k < image.rgba.size(); k += 4) {
+        there += truth.rgba[k] > 0;
+        apart += std::abs(image.rgba[k - 3] - truth.rgba[k - 3]) > 0.02F || image.rgba[k] != truth.rgba[k];
+      }
+      INFO("azimuth " << camera.azimuth << ": " << apart << " of " << there << " pixels differ");
+      CHECK(there > 40);
+      CHECK(apart == 0);
+    }
+}
+
 TEST_CASE("a surface's distance counts from the plane through the middle, in perspective, too") {
   const Volume volume =
       make_volume({21, 15, 17}, ScalarType::float32, [](int x, int, int) { return x; }, {0.5, 1, 1});
