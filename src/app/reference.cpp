@@ -7,6 +7,7 @@
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "frame/frame_spec_bytes.hpp"
+#include "frame/slices.hpp"
 #include "images/image_file.hpp"
 #include "images/image_io.hpp"
 #include "options/option_tables.hpp"
@@ -61,18 +62,17 @@ ExitCode run(const ReferenceOptions& o) {
   scene.poll = [&](double done) { progress.at(done); };
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     spec.shown.camera = cameras[k];
-    scene.frame = spec;
     const double start = now_seconds();
     progress.begin("evaluating the truth", 1);
-    const auto true_image = [&] {
+    const auto true_image = [&](const FrameSpec& frame) {
+      scene.frame = frame;
       return truth::to_image(spec.shown.width, spec.shown.height,
                              evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
     };
-    Image image = true_image();
-    if (spec.shown.depth) {
-      scene.frame = depth_frame_of(spec);
-      take_depths(image, true_image());
-    }
+    const CutOpen parts = spec.shown.cut ? cut_open(spec, source->grid()) : CutOpen{spec, {}};
+    Image image = true_image(parts.left);
+    if (spec.shown.cut) lay_over(image.rgba.data(), true_image(parts.slice).rgba);
+    if (spec.shown.depth) take_depths(image, true_image(depth_frame_of(spec)));
     progress.end();
     write_image(image, file_of_view(o.picture, o.picture.output, k), o.picture.background,
                 settings_text(spec, o));

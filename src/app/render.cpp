@@ -66,7 +66,7 @@ ExitCode run(const RenderOptions& given, Launch& launch) {
   progress.begin("rendering", double(views));
   double last_ended = now_seconds();
   const auto take = [&](FrameResult&& result) {
-    if (o.frames || !job.channels.empty() || o.frame.shown.depth) {  // of several runs or frames
+    if (o.frames || !job.channels.empty() || in_several_frames(o)) {  // of several runs or frames
       const double now = now_seconds();
       result.stats.period = now - std::exchange(last_ended, now);
     }

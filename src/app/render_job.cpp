@@ -145,7 +145,7 @@ void check_outputs(const RenderOptions& o) {
 std::size_t pictures_at_once(const Job& job, std::size_t views) {
   const RenderOptions& o = job.options;
   const auto in_flight = std::size_t(o.run.protocol.frames_in_flight);
-  return std::size_t(!job.channels.empty() || o.frame.shown.depth) +
+  return std::size_t(!job.channels.empty() || in_several_frames(o)) +
          (o.error.truth ? std::max(in_flight, views) : in_flight + std::min(views, FrameWriter::room + 1));
 }
 
@@ -155,7 +155,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   prepare_simulation(o.run, launch);
   settle_ranks(job, launch);
   // Planes are kept for later views of the same volume; of one view that would only take memory and time.
-  const bool one_view = (o.frames || (o.orbit <= 1 && o.path.empty())) && !o.frame.shown.depth;
+  const bool one_view = (o.frames || (o.orbit <= 1 && o.path.empty())) && !in_several_frames(o);
   if (one_view && !o.run.engine.keep) o.run.engine.keep = 0;
   o.run.engine.encodes_pictures = !o.output.empty();
   launch.check_on_rank_0([&] {

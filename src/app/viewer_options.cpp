@@ -61,6 +61,7 @@ void go_on_as(const serve::NextPart& part, const Grid& grid, serve::ViewerOption
   shown.camera.pan = whole.pan;
   shown.clip.reset();
   shown.clip_planes.clear();
+  v.initial.cut.reset();
   if (shown.mode == Mode::composite)
     scale_opacity(shown.transfer_function, grid.unit_length() / part.grid.unit_length());
 }

@@ -203,12 +203,6 @@ int sharing_a_layer(const FrameGeometry& g, int slices, int renderers) {
 
 }  // namespace
 
-std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid) {
-  const double voxels = std::max(1e-3, 2e-6 * std::max({grid.dims.x, grid.dims.y, grid.dims.z})),
-               half = voxels * std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
-  return {{plane.normal, plane.distance - half}, {-plane.normal, -plane.distance - half}};
-}
-
 Axis traversed_axis(const FrameSpec& spec, const Grid& grid) {
   return screen_geometry(spec.shown, grid, slice_rule(spec.how)).traversal.axis;
 }

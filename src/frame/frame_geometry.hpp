@@ -72,9 +72,10 @@ struct FrameGeometry {
   }
 };
 
-/// Clip planes that leave of a volume what lies in another plane: within a thousandth of a voxel of it, or,
-/// of large volumes, as near as positions along rays are exact.
-std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid);
+/// World lengths from the volume's middle to a place of its lattice.
+inline glm::dvec3 from_middle(const Grid& grid, const glm::dvec3& place) {
+  return grid.direction * (grid.spacing * (place - 0.5 * glm::dvec3(grid.dims - 1)));
+}
 
 inline LatticeFrame lattice_frame(const Grid& grid) {
   return {grid.dims, grid.spacing, grid.origin, grid.direction};

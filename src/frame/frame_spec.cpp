@@ -157,17 +157,22 @@ void check_mixed(const Shown& shown, const Method& method) {
 }
 
 void check_clip_planes(const Shown& shown, const Method& method) {
-  if (shown.clip_planes.size() > Shown::most_clip_planes)
+  const std::size_t most = Shown::most_clip_planes - (shown.cut ? 2 : 0);
+  if (shown.clip_planes.size() > most)
     throw InputError(fmt::format("{} clip planes are too many", shown.clip_planes.size()),
-                     fmt::format("give {} at most", Shown::most_clip_planes));
-  for (const ClipPlane& plane : shown.clip_planes) {
+                     fmt::format("give {} at most", most));
+  std::vector<ClipPlane> planes = shown.clip_planes;
+  if (shown.cut) planes.push_back(*shown.cut);
+  for (const ClipPlane& plane : planes) {
     const double length = glm::length(plane.normal);
     if (!(std::isfinite(length) && length > 0 && std::isfinite(plane.distance)))
       throw InputError("a clip plane needs a direction of finite length above zero and a finite distance",
                        "for instance 0,1,0,0");
   }
-  if (!shown.clip_planes.empty() && std::holds_alternative<Splats>(method))
-    throw InputError("splats cannot be cut by a plane", "use --engine sheets, or leave --clip-plane out");
+  if (!planes.empty() && std::holds_alternative<Splats>(method))
+    throw InputError("splats cannot be cut by a plane", "use --engine sheets, or leave the plane out");
+  if (shown.cut && (shown.values || shown.depth || shown.mode == Mode::sum))
+    throw InputError("a cut shows values in colours, no depths or sums", "leave out --cut");
 }
 
 void check_edges(const Shown& shown, const Method& method) {

@@ -164,6 +164,9 @@ struct RenderOptions {
   BoxOf clip;
   std::optional<Axis> slice;   ///< one slice across it is shown, which `clip` tells
   bool oblique_slice = false;  ///< what lies in the frame's clip plane is shown
+  /// The volume is cut open along this slice, of which complete_view() makes the frame's cut.
+  BoxOf cut_at;
+  std::optional<Axis> cut_across;
   MethodOptions method;
   std::string transfer_function = "auto", transfer_function_out;
   ColourOptions colour;
@@ -181,6 +184,11 @@ struct RenderOptions {
   ErrorBudgetOptions budget;
   std::optional<glm::dvec3> background;  ///< linear light
 };
+
+/// Each of its pictures needs a second frame of a volume.
+inline bool in_several_frames(const RenderOptions& o) {
+  return o.frame.shown.depth || o.frame.shown.cut || o.cut_across;
+}
 
 struct ServeOptions {
   /// The volume, the run, and the view that is shown first. Its method is the viewer's to choose.

@@ -9,6 +9,7 @@
 
 #include "frame/frame_fields.hpp"
 #include "frame/frame_geometry.hpp"
+#include "frame/slices.hpp"
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
@@ -33,6 +34,13 @@ Reader one_part(double& target) {
   Reader reader = value(target);
   reader.initial = fmt::format("1/{:g}", 1 / target);
   return reader;
+}
+
+/// Of a slice that is given as plane:NX,NY,NZ,D; nothing where an axis is.
+std::optional<ClipPlane> oblique_plane(const std::string& slice, const std::string& option) {
+  constexpr std::string_view plane = "plane:";
+  if (!slice.starts_with(plane)) return std::nullopt;
+  return parse_clip_plane(slice.substr(plane.size()), option + " plane:");
 }
 
 void stand_at(Camera& camera, Side side, World world) {
@@ -132,19 +140,19 @@ void add_clip_options(OptionList& list, RenderOptions& o) {
        "all, distances from the first face in the file's units",
        parsed(o.clip, parse_clip)},
       {"--clip-plane", "NX,NY,NZ,D[:...]", nullptr,
-       "What lies behind a plane, or one of two, is cut off: a world direction to what is left, and how far "
+       "What lies behind a plane, or one of four, is cut off: a world direction to what is left, and how far "
        "along it the plane is from the volume's middle, in world lengths",
        parsed(o.frame.shown.clip_planes, parse_clip_planes), Mark::of_sheets},
       {"--slice", "AXIS=PLACE|plane:NX,NY,NZ,D", nullptr,
        "Show one slice, as x=40, z=12.5mm or an oblique plane, from straight before it: its values in grey "
        "or in --tf's colours; with --values as numbers",
        text([&o](const std::string& slice, const std::string& option) {
-         constexpr std::string_view plane = "plane:";
          o.colour.mode = Mode::mip;
          o.colour.slice = true;
-         o.oblique_slice = slice.starts_with(plane);
-         if (o.oblique_slice)
-           o.frame.shown.clip_planes = {parse_clip_plane(slice.substr(plane.size()), option + " plane:")};
+         const auto plane = oblique_plane(slice, option);
+         o.oblique_slice = plane.has_value();
+         if (plane)
+           o.frame.shown.clip_planes = {*plane};
          else
            std::tie(o.clip, o.slice) = parse_slice(slice, option);
        })},
@@ -320,6 +328,14 @@ void add_picture_options(OptionList& list, RenderOptions& o) {
        "reaches this (0.5, say), or the first surface, is behind the plane through the volume's middle; "
        "infinite where nothing is",
        value(o.frame.shown.depth), Mark::of_sheets},
+      {"--cut", "AXIS=PLACE|plane:NX,NY,NZ,D", nullptr,
+       "Cut the volume open along a slice, given as to --slice: what lies before it, from where it is seen, "
+       "is cut off, and it shows its values in --tf's colours",
+       text([&o](const std::string& slice, const std::string& option) {
+         o.frame.shown.cut = oblique_plane(slice, option);
+         if (!o.frame.shown.cut) std::tie(o.cut_at, o.cut_across) = parse_slice(slice, option);
+       }),
+       Mark::of_sheets},
       {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
        value(o.method.splats.kernel_radius), Mark::of_splats},
       {"--region", "N", nullptr,
@@ -382,6 +398,8 @@ std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes&
     camera.up = facing.up;
     camera.zoom *= facing.zoom;
   }
+  if (o.cut_across)
+    o.frame.shown.cut = plane_along_slices(grid, *o.cut_across, clip_box(o.cut_at, grid, notes)->first);
   if (o.direction_chosen) return {};
   const auto extents = extents_in_world(grid);
   const auto side = notes.world == World::microscope ? std::nullopt : broad_side(extents, patient);

@@ -6,6 +6,7 @@
 #include "base/srgb.hpp"
 #include "base/text.hpp"
 #include "frame/frame_geometry.hpp"
+#include "frame/slices.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -147,6 +148,18 @@ json parsed(std::string_view text) {
   return j;
 }
 
+/// The plane across a view through a place of the lattice.
+ClipPlane plane_across(const Camera& camera, const Grid& grid, const glm::dvec3& place) {
+  const glm::dvec3 to_viewer = make_view(camera, lattice_frame(grid), 1, 1).to_viewer;
+  return {to_viewer, glm::dot(to_viewer, from_middle(grid, place))};
+}
+
+/// `cut`: an axis, or 3 for across the view, and a voxel.
+ClipPlane plane_of(const glm::dvec4& cut, const Camera& camera, const Grid& grid) {
+  const glm::dvec3 place(cut.y, cut.z, cut.w);
+  return cut.x < 3 ? plane_along_slices(grid, Axis(int(cut.x)), place) : plane_across(camera, grid, place);
+}
+
 /// Has the scene show one slice of the whole volume and nothing else, opaque, from straight before it. `j`:
 /// axis and index, or a voxel through which the slice goes across the view.
 void show_slice(Shown& shown, const json& j, const MessageRules& rules) {
@@ -155,24 +168,18 @@ void show_slice(Shown& shown, const json& j, const MessageRules& rules) {
   list_from(j, "slice", 2, 3);
   shown.clip.reset();
   shown.clip_planes.clear();
-  shown.edges.reset();
+  shown.cut.reset();
   if (j.size() == 3) {
     const glm::dvec3 place = vector_from(j, "the slice's voxel", -0.5, 1e9);
     camera = {.azimuth = camera.azimuth, .elevation = camera.elevation, .roll = camera.roll};
-    const glm::dvec3 from_middle =
-                         grid.direction * (grid.spacing * (place - 0.5 * glm::dvec3(grid.dims - 1))),
-                     to_viewer = make_view(camera, lattice_frame(grid), 1, 1).to_viewer;
-    shown.clip_planes = planes_of_slice({to_viewer, glm::dot(to_viewer, from_middle)}, grid);
+    shown.clip_planes = planes_of_slice(plane_across(camera, grid, place), grid);
   } else {
     const auto axis = static_cast<int>(number_from(j[0], "the slice's axis", 0, 2));
     const auto index = static_cast<int>(number_from(j[1], "the slice", 0, grid.dims[axis] - 1));
     shown.clip = slice_box(grid, axis, index);
     camera = facing_slices(lattice_frame(grid), Axis(axis), rules.patient);
   }
-  shown.shading = Shading::none;
-  const bool labels = shown.interpolation == Interpolation::nearest;
-  shown.mode = labels ? Mode::composite : Mode::mip;
-  for (auto& point : shown.transfer_function.opacities) point.opacity = labels && point.opacity == 0 ? 0 : 1;
+  show_values(shown);
 }
 
 SceneState scene_of(const json& message, const MessageRules& rules) {
@@ -263,12 +270,13 @@ json to_json(const TransferFunction& tf) {
 }
 
 json to_json(const SceneState& s) {
-  json clip, planes = json::array(), channels = json::array(), tints = json::array();
+  json clip, cut, planes = json::array(), channels = json::array(), tints = json::array();
   for (const auto& [visible, colour, window] : s.channels)
     channels.push_back(
         {{"visible", visible}, {"colour", {colour.x, colour.y, colour.z}}, {"window", {window.x, window.y}}});
   if (s.shown.clip)
     for (int k = 0; k < 3; ++k) clip.push_back({s.shown.clip->first[k], s.shown.clip->end[k]});
+  if (s.cut) cut = {s.cut->x, s.cut->y, s.cut->z, s.cut->w};
   for (const auto& [normal, distance] : s.shown.clip_planes)
     planes.push_back({normal.x, normal.y, normal.z, distance});
   for (const auto& [label, light, share] : s.shown.tints) {
@@ -287,6 +295,7 @@ json to_json(const SceneState& s) {
           {"light", {s.shown.light.x, s.shown.light.y, s.shown.light.z}},
           {"clip", clip},
           {"clip_planes", planes},
+          {"cut", cut},
           {"channels", channels},
           {"tints", tints},
           {"background", {s.background.x, s.background.y, s.background.z}}};
@@ -323,8 +332,17 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
   if (const json clip = state.value("clip", json()); !clip.is_null())
     shown.clip = box_from(clip, rules.grid.dims);
   shown.clip_planes.clear();
-  for (const json& plane : list_from(member(state, "clip_planes"), "clip_planes", 0, Shown::most_clip_planes))
+  for (const json& plane : list_from(member(state, "clip_planes"), "clip_planes", 0, 2))
     shown.clip_planes.push_back(plane_from(plane));
+  shown.cut.reset();
+  scene.cut.reset();
+  if (const json cut = state.value("cut", json()); !cut.is_null()) {
+    list_from(cut, "cut", 4, 4);
+    scene.cut = {std::floor(number_from(cut[0], "the cut's axis", 0, 3)), 0, 0, 0};
+    for (int k = 0; k < 3; ++k)
+      (*scene.cut)[k + 1] = number_from(cut[std::size_t(k) + 1], "the cut's voxel", -0.5, 1e9);
+    if (shown.mode != Mode::sum) shown.cut = plane_of(*scene.cut, shown.camera, rules.grid);
+  }
   scene.background = vector_from(member(state, "background"), "background", 0, 1);
   const std::size_t channels = scene.channels.size();
   const json& looks = list_from(member(state, "channels"), "channels", channels, channels);

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -32,6 +33,8 @@ struct SceneState {
   int gain = 0;  ///< pages show the difference of the two, so many times; 0: both, side by side
   Shown shown;   ///< its camera, transfer function, shading, light, clip box and planes and size are
                  ///< the page's
+  /// The volume is cut open along an axis' slices (0 to 2), or across the view (3), through a voxel.
+  std::optional<glm::dvec4> cut = std::nullopt;
   glm::dvec3 background{0.0};  ///< sRGB, 0..1
   /// Each of the volume's; none where one is shown. They have functions of their own.
   std::vector<ChannelState> channels = {};

@@ -3,9 +3,11 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
+#include <glm/vector_relational.hpp>
 #include <optional>
 
 #include "frame/frame_geometry.hpp"
+#include "frame/slices.hpp"
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/grid.hpp"
@@ -36,70 +38,56 @@ inline Camera camera_of_pixel(const Camera& camera, const LatticeFrame& lattice,
 }
 
 /// Finds the first opaque point of a pixel's ray by frames of one pixel, so that no rank needs to know of it:
-/// the ranks draw the volume cut off behind ever fewer slices, and the fewest through which the ray becomes
-/// half as opaque as it is in the end lie before the point. One more frame, of numbers, reads the value
-/// there. In modes without light the place is where the extremum is reached.
+/// one tells how opaque the ray is in the end, one of depths where it is half as opaque, and one of numbers
+/// the value there. In modes without light the place is where the extremum is reached first.
 class Probe {
  public:
   /// `full`: the view's frame at its best level. (x, y): in pixels, from the corner. Throws InputError when
   /// the ranks would refuse the ray's frame.
   Probe(const FrameSpec& full, const Grid& grid, double x, double y)
-      : grid_(grid), next_(full), box_(full.shown.clip.value_or(whole_box(grid))) {
+      : grid_(grid), next_(full.shown.cut ? cut_open(full, grid).left : full) {
     Shown& shown = next_->shown;
     shown.camera = camera_of_pixel(shown.camera, lattice_frame(grid), shown.width, shown.height, x, y);
-    shown.width = shown.height = 1;
-    shown.shading = Shading::none;
-    for (Tint& tint : shown.tints) tint.share = 0;  // greys tell of values
-    if (looks_for_extremum() && shown.mode != Mode::minip) shown.mode = Mode::mip;
+    show_one_pixel();
+    if (shown.mode != Mode::composite && shown.mode != Mode::surface) {
+      extreme_ = shown.mode == Mode::minip ? Mode::minip : Mode::mip;
+      shown.mode = *extreme_;
+      shown.values = true;
+    }
     check_frame(*next_, grid);
-    const Traversal traversal = make_geometry(*next_, grid).traversal;
-    axis_ = static_cast<int>(traversal.axis);
-    ascending_ = traversal.ascending;
-    high_ = box_.end[axis_] - box_.first[axis_];
+    if (full.shown.cut) look_at(*full.shown.cut);
+    if (stage_ == Stage::whole && shown.mode == Mode::surface) look_for_depth(1);
   }
 
   /// Of a voxel.
-  Probe(const FrameSpec& full, const Grid& grid, const glm::ivec3& voxel)
-      : grid_(grid), next_(full), box_(whole_box(grid)), axis_(static_cast<int>(Axis::z)) {
-    next_->shown.width = next_->shown.height = 1;
-    next_->shown.shading = Shading::none;
+  Probe(const FrameSpec& full, const Grid& grid, const glm::ivec3& voxel) : grid_(grid), next_(full) {
+    show_one_pixel();
     found(voxel);
-    read(voxel, voxel.z);
   }
 
   /// The values of the volume that is read: needed before the first frame.
   void know_range(const ValueRange& range) {
-    range_ = range;
-    if (looks_for_extremum()) show_range();
+    low_ = std::isfinite(range.low) ? range.low : 0;
+    high_ = low_ < range.high ? range.high : low_ + 1;
+    if (next_->shown.mode == Mode::mip || next_->shown.mode == Mode::minip) show_range();
   }
   /// The next frame to draw; nothing when the answer is there.
   const std::optional<FrameSpec>& next_frame() const { return next_; }
   void take(const Image& picture) {
-    const float* const rgba = picture.pixel(0, 0);
+    const float number = picture.pixel(0, 0)[0], opacity = picture.pixel(0, 0)[3];
+    if (stage_ != Stage::value && opacity < least_opacity) return next_.reset();
     switch (stage_) {
       case Stage::whole:
-        high_opacity_ = reached(rgba);
-        wanted_ = (looks_for_extremum() ? 0.999F : 0.5F) * high_opacity_;
-        if (rgba[3] < least_opacity) return next_.reset();
-        stage_ = Stage::place;
-        break;
-      case Stage::place: {
-        const float so_far = reached(rgba);
-        const bool enough = so_far >= wanted_;
-        (enough ? high_ : low_) = middle();
-        (enough ? high_opacity_ : low_opacity_) = so_far;
-        break;
-      }
+        answer_.value = number;
+        return look_for_depth(opacity);
+      case Stage::place:
+        found(at_depth(number));
+        if (extreme_) next_.reset();
+        return;
       case Stage::value:
-        answer_.value = rgba[0];
+        answer_.value = number;
         return next_.reset();
     }
-    if (high_ - low_ <= 1) return choose_place();
-    VoxelBox& front = next_->shown.clip.emplace(box_);
-    if (ascending_)
-      front.end[axis_] = box_.first[axis_] + middle();
-    else
-      front.first[axis_] = box_.end[axis_] - middle();
   }
   const Probed& answer() const { return answer_; }
 
@@ -108,87 +96,108 @@ class Probe {
   /// Less opaque a ray hits nothing.
   static constexpr float least_opacity = 1.0F / 32;
 
-  int middle() const { return (low_ + high_) / 2; }
-  /// Where rays take no light, the value is found that decides on the pixel, of means and integrals the
-  /// largest.
-  bool looks_for_extremum() const {
-    return next_->shown.mode != Mode::composite && next_->shown.mode != Mode::surface;
-  }
-  float reached(const float* rgba) const {
-    if (!looks_for_extremum()) return rgba[3];
-    return next_->shown.mode == Mode::minip ? 1 - rgba[0] : rgba[0];
+  void show_one_pixel() {
+    Shown& shown = next_->shown;
+    shown.width = shown.height = 1;
+    shown.shading = Shading::none;
+    shown.mixed = false;
+    shown.cut.reset();
+    shown.tints.clear();
   }
 
-  /// Where the ray meets the plane of that coordinate, in lattice coordinates.
-  glm::dvec3 meet(double at) const {
-    const ViewTransform view = make_view(next_->shown.camera, lattice_frame(grid_), 1, 1);
+  /// The next frame tells the depth of the first surface, of half the opacity, or of where a value is that
+  /// differs from the extreme one by a thousandth at most.
+  void look_for_depth(float opacity) {
+    stage_ = Stage::place;
+    Shown& shown = next_->shown;
+    shown.depth = 0.5 * double(opacity);
+    if (extreme_) {
+      const bool least = *extreme_ == Mode::minip;
+      double near = std::lerp(answer_.value, least ? high_ : low_, 1e-3);
+      if (near == answer_.value) near = least ? high_ : low_;
+      shown.mode = Mode::composite;
+      shown.transfer_function.opacities = {
+          {low_, double(least)}, {near, double(least)}, {near, double(!least)}, {high_, double(!least)}};
+    }
+    next_ = depth_frame_of(*next_);
+  }
+
+  /// In lattice coordinates.
+  struct Ray {
+    glm::dvec3 point, way;
+  };
+  Ray ray(const ViewTransform& view) const {
     const glm::dmat3 to_lattice = glm::inverse(view.linear);
     const glm::dvec3 point = to_lattice * (glm::dvec3(0.5, 0.5, 0) - view.offset);
-    const glm::dvec3 way = view.eye ? point - *view.eye : to_lattice * glm::dvec3(0, 0, 1);
-    return point + way * ((at - point[axis_]) / way[axis_]);
+    return {point, view.eye ? point - *view.eye : to_lattice * glm::dvec3(0, 0, 1)};
+  }
+  ViewTransform view() const { return make_view(next_->shown.camera, lattice_frame(grid_), 1, 1); }
+
+  /// Where the ray is so far behind the plane through the volume's middle, in world lengths.
+  glm::dvec3 at_depth(double depth) const {
+    const ViewTransform seen = view();
+    const auto [point, way] = ray(seen);
+    return point + way * (depth * seen.pixels_per_unit / (seen.linear * way).z);
   }
 
-  void choose_place() {
-    const double into =
-        double(high_ - 1) +
-        std::clamp((wanted_ - low_opacity_) / std::max(high_opacity_ - low_opacity_, 1e-6F), 0.0F, 1.0F);
-    const double at = ascending_ ? box_.first[axis_] - 0.5 + into : box_.end[axis_] - 0.5 - into;
-    const glm::dvec3 place = glm::clamp(meet(at), glm::dvec3(0.0), glm::dvec3(grid_.dims - 1));
-    found(place);
-    if (looks_for_extremum())
-      next_->shown.clip = box_;
-    else
-      read(place, ascending_ ? box_.first[axis_] + high_ - 1 : box_.end[axis_] - high_);
+  /// Takes the place where the ray meets the cut, if it does: that is opaque.
+  void look_at(const ClipPlane& cut) {
+    const auto before = [&](const ClipPlane& plane, const glm::dvec3& place) {
+      return glm::dot(glm::normalize(plane.normal), from_middle(grid_, place)) - plane.distance;
+    };
+    const auto [point, way] = ray(view());
+    const double here = before(cut, point), rise = before(cut, point + way) - here;
+    const glm::dvec3 place = point - way * (here / rise);
+    const VoxelBox box = next_->shown.clip.value_or(whole_box(grid_));
+    const auto& planes = next_->shown.clip_planes;  // the last is the cut's own
+    if (glm::all(glm::greaterThanEqual(place, glm::dvec3(box.first) - 0.5)) &&
+        glm::all(glm::lessThan(place, glm::dvec3(box.end) - 0.5)) &&
+        std::all_of(planes.begin(), planes.end() - 1, [&](auto& plane) { return before(plane, place) >= 0; }))
+      found(place);
   }
 
-  /// The last frame is of numbers.
-  void found(const glm::dvec3& place) {
-    answer_ = {true, place, grid_.origin + grid_.direction * (grid_.spacing * place)};
+  /// The last frame tells the value there, seen from straight before its slice; of labels, between which
+  /// there is nothing, the nearest voxel's.
+  void found(const glm::dvec3& where) {
+    const glm::dvec3 place = glm::clamp(where, glm::dvec3(0.0), glm::dvec3(grid_.dims - 1));
+    answer_ = {true, place, grid_.origin + grid_.direction * (grid_.spacing * place), answer_.value};
     stage_ = Stage::value;
-    next_->shown.values = true;
-  }
-
-  /// Has the frame tell the value at a place of the lattice, seen from straight before its slice; of labels,
-  /// between which there is nothing, the nearest voxel's.
-  void read(const glm::dvec3& place, int slice) {
     Shown& shown = next_->shown;
+    // Beyond the outer voxels of what is shown the field has their values.
+    const VoxelBox box = shown.clip.value_or(whole_box(grid_));
+    const glm::dvec3 shown_at = glm::clamp(place, glm::dvec3(box.first), glm::dvec3(box.end - 1)),
+                     read = shown.interpolation == Interpolation::nearest ? glm::round(shown_at) : shown_at;
     // Interpolation rounds places in a cell down to 1/65536: that of a voxel must not be in the cell before.
     constexpr double within = 0.5 / 65536;
-    const glm::dvec3 at =
-        (shown.interpolation == Interpolation::nearest ? glm::round(place) : place) + within;
     const LatticeFrame lattice = lattice_frame(grid_);
-    const Camera facing = facing_slices(lattice, Axis(axis_), false);
-    const glm::dvec3 seen = make_view(facing, lattice, 1, 1).project(at);
+    const Camera facing = facing_slices(lattice, Axis::z, false);
+    const glm::dvec3 seen = make_view(facing, lattice, 1, 1).project(read + within);
     shown.camera = camera_of_pixel(facing, lattice, 1, 1, seen.x, seen.y);
-    shown.clip = slice_box(grid_, axis_, slice);
+    shown.clip.reset();
     shown.clip_planes.clear();
+    if (read.z == std::round(read.z))
+      shown.clip = slice_box(grid_, int(Axis::z), int(read.z));
+    else
+      shown.clip_planes = planes_of_slice(plane_along_slices(grid_, Axis::z, read), grid_);
     shown.interpolation = Interpolation::linear;
     shown.mode = Mode::mip;
+    shown.values = true;
+    shown.depth.reset();
     show_range();
   }
 
-  /// Has the frame show values: black for the lowest, white for the highest, and opaque everywhere.
+  /// Has a frame of numbers tell all values.
   void show_range() {
-    double low = range_.low, high = range_.high;
-    if (!(low < high)) {
-      low = std::isfinite(low) ? low : 0;
-      high = low + 1;
-    }
     next_->shown.transfer_function = {.name = "value",
-                                      .colours = {{low, glm::dvec3(0.0)}, {high, glm::dvec3(1.0)}},
-                                      .opacities = {{low, 1}, {high, 1}}};
+                                      .colours = {{low_, glm::dvec3(0.0)}, {high_, glm::dvec3(1.0)}},
+                                      .opacities = {{low_, 1}, {high_, 1}}};
   }
 
   Grid grid_;
-  ValueRange range_;
+  double low_ = 0, high_ = 1;  ///< of the volume's values
   std::optional<FrameSpec> next_;
-  VoxelBox box_;  ///< the part that is shown
-  int axis_;
-  bool ascending_ = true;
+  std::optional<Mode> extreme_;  ///< that is looked for
   Stage stage_ = Stage::whole;
-  int low_ = 0, high_ = 0;  ///< slices: too few, enough
-  float low_opacity_ = 0, high_opacity_ = 0;
-  float wanted_ = 0;  ///< opacity
   Probed answer_;
 };
 

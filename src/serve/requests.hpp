@@ -59,7 +59,8 @@ class Requests {
     probes_.insert_or_assign(client, std::move(probing));
   }
   void add(ClientId client, const FileMessage& asked, std::vector<VolumeFrame> best) {
-    if (asked.errors && !options_.errors) throw InputError("errors are not known of what is shown");
+    if (asked.errors && (!options_.errors || asked.scene.shown.cut))
+      throw InputError("errors are not known of what is shown");
     const std::lock_guard lock(mutex_);
     File file{{client}, asked, std::move(best), asked.movie ? movie_for(client, asked) : nullptr};
     const auto waiting = std::ranges::count_if(files_, [&](const File& f) { return f.client == client; });

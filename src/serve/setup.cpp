@@ -30,10 +30,9 @@ VoxelBox seen_box(const SceneState& scene, const Grid& grid) {
   double radius = 0;
   for (int k = 0; k < 3; ++k) radius += 0.5 * cell[k] * glm::length(glm::dvec2(view.linear[k]));
   const auto is_cut = [&](const glm::dvec3& middle) {
-    const glm::dvec3 from_middle =
-        grid.direction * (grid.spacing * (middle - 0.5 * glm::dvec3(grid.dims - 1)));
+    const glm::dvec3 place = from_middle(grid, middle);
     return std::ranges::any_of(shown.clip_planes, [&](const ClipPlane& plane) {
-      return glm::dot(glm::normalize(plane.normal), from_middle) + world_radius < plane.distance;
+      return glm::dot(glm::normalize(plane.normal), place) + world_radius < plane.distance;
     });
   };
   const auto is_in_picture = [&](const glm::dvec3& middle) {

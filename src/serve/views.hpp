@@ -85,7 +85,7 @@ class Views {
     if (!scene.compared) return frames;
     const auto others = held_.frames_of(*scene.compared, parts);
     frames.insert(frames.end(), others.begin(), others.end());
-    frames[parts.size()].below = true;
+    frames[parts.size()].joins = Joins::below;
     return frames;
   }
 

@@ -1,10 +1,13 @@
 #pragma once
+#include <algorithm>
+#include <iterator>
 #include <map>
 #include <utility>
 #include <vector>
 
 #include "frame/frame_geometry.hpp"
 #include "frame/frame_spec_bytes.hpp"
+#include "frame/slices.hpp"
 #include "protocol/frame_source.hpp"
 #include "session/measured_pace.hpp"
 #include "session/render_frames.hpp"
@@ -28,15 +31,17 @@ class DirectedFrames final : public FrameSource {
   }
 
   std::optional<Bytes> next(std::int64_t frame) override {
-    if (parts_.empty()) parts_ = director_.next_picture();
+    if (parts_.empty()) parts_ = with_slices(director_.next_picture());
     if (parts_.empty()) return std::nullopt;
-    const bool below = parts_.front().below;
+    const Joins joins = parts_.front().joins;
+    const auto cut = parts_.front().spec.shown.cut;
     auto together = take_together(frame);
     Bytes body = encode(together);
     auto& [volume, spec] = together.front();
     if (spec.shown.depth && !spec.shown.values) parts_.insert(parts_.begin(), {volume, depth_frame_of(spec)});
     spec.frame = picture_;
-    frames_[frame] = {std::move(spec), {}, parts_.empty(), below};
+    spec.shown.cut = cut;
+    frames_[frame] = {std::move(spec), {}, parts_.empty(), joins};
     if (parts_.empty()) ++picture_;
     return body;
   }
@@ -61,7 +66,7 @@ class DirectedFrames final : public FrameSource {
     pace_.learn(frame.spec.division, stats);
     const Axis axis = traversed_axis(frame.spec, grid_);
     sum_.add({std::move(frame.spec), std::move(frame.image), std::move(stats), axis}, picture, frame.last,
-             frame.below);
+             frame.joins);
   }
   void pause(std::chrono::nanoseconds most) override {
     if (director_.pause)
@@ -77,17 +82,38 @@ class DirectedFrames final : public FrameSource {
     FrameSpec spec;  ///< with its picture's number
     Image image;
     bool last = true;  ///< of its picture
-    bool below = false;
+    Joins joins = Joins::added;
     bool dropped = false;
   };
+
+  /// With the slices of volumes that are cut open, behind all volumes that they lie over.
+  std::vector<VolumeFrame> with_slices(std::vector<VolumeFrame> parts) const {
+    std::vector<VolumeFrame> all, slices;
+    const auto lay_slices = [&] {
+      std::ranges::move(slices, std::back_inserter(all));
+      slices.clear();
+    };
+    for (VolumeFrame& part : parts) {
+      if (part.joins == Joins::below) lay_slices();
+      if (part.spec.shown.cut) {
+        CutOpen made = cut_open(part.spec, grid_);
+        slices.push_back({part.volume, std::move(made.slice), slices.empty() ? Joins::over : Joins::added});
+        part.spec = std::move(made.left);
+      }
+      all.push_back(std::move(part));
+    }
+    lay_slices();
+    return all;
+  }
 
   /// The next frame, of one volume or of all those behind it that are drawn as one with it.
   std::vector<FrameOfVolume> take_together(std::int64_t frame) {
     std::vector<FrameOfVolume> frames;
-    for (const auto& [volume, spec, below] : parts_) {
-      if (!frames.empty() && below) break;
+    for (const auto& [volume, spec, joins] : parts_) {
+      if (!frames.empty() && joins != Joins::added) break;
       frames.push_back({volume, spec});
       frames.back().spec.frame = frame;
+      frames.back().spec.shown.cut.reset();  // that is drawn as clip planes
       pace_.tell(frames.back().spec.division);
       if (frames.size() > 1 && !drawn_together(frames)) {
         frames.pop_back();

@@ -46,6 +46,14 @@ inline void take_depths(Image& picture, const Image& values) {
     picture.depth[k] = values.rgba[4 * k + 3] > 0 ? values.rgba[4 * k] : INFINITY;
 }
 
+/// How a frame becomes part of a picture: added to what there is of it, laid over that, or as the beginning
+/// of a picture of its own, in the rows under it.
+enum class Joins : std::uint8_t { added, over, below };
+/// `rgba`: of premultiplied colours, the same pixels.
+inline void lay_over(float* below, const Image::Floats& rgba) {
+  for (std::size_t k = 0; k < rgba.size(); ++k) below[k] = rgba[k] + (1 - rgba[k | 3]) * below[k];
+}
+
 /// Adds up pictures of several volumes: light and opacity, both at most 1. So volumes do not hide each other.
 /// A frame of depths gives them to the picture before it.
 class FrameSum {
@@ -55,16 +63,15 @@ class FrameSum {
   /// `take` gets a view's sum when its last picture was added.
   explicit FrameSum(Take take) : take_(std::move(take)) {}
 
-  /// Each view's pictures come in the same order, so that sums have the same bits in every run. One `below`
-  /// begins another sum, in the rows under those that the view has.
-  void add(FrameResult&& picture, std::size_t view, bool last, bool below = false) {
+  /// Each view's pictures come in the same order, so that sums have the same bits in every run.
+  void add(FrameResult&& picture, std::size_t view, bool last, Joins joins = Joins::added) {
     const auto [found, is_first] = sums_.try_emplace(view, std::move(picture));
     if (!is_first) {
       FrameResult& sum = found->second;
       if (picture.spec.shown.values && !sum.spec.shown.values)
         take_depths(sum.image, picture.image);
       else
-        add_to(sum.image, picture.image, below);
+        add_to(sum.image, picture.image, joins);
       add_to(sum.stats, picture.stats);
     }
     if (last) take_(std::move(sums_.extract(found).mapped()), view);
@@ -73,12 +80,13 @@ class FrameSum {
   void forget(std::size_t view) { sums_.erase(view); }
 
  private:
-  static void add_to(Image& sum, const Image& more, bool below) {
-    if (below) {
+  static void add_to(Image& sum, const Image& more, Joins joins) {
+    if (joins == Joins::below) {
       sum.height += more.height;
       sum.rgba.resize(sum.rgba.size() + more.rgba.size(), 0.0F);
     }
     float* const rgba = sum.rgba.data() + (sum.rgba.size() - more.rgba.size());
+    if (joins == Joins::over) return lay_over(rgba, more.rgba);
     for (std::size_t k = 0; k < more.rgba.size(); ++k) rgba[k] = std::min(rgba[k] + more.rgba[k], 1.0F);
   }
   /// Of one frame after another: each node's slices of one are gone when those of the next are held.
@@ -104,7 +112,7 @@ class FrameSum {
 struct VolumeFrame {
   std::size_t volume = 0;  ///< the scene's own; from 1 its others
   FrameSpec spec;
-  bool below = false;  ///< this and those after it make a picture of their own, under the one before
+  Joins joins = Joins::added;
 };
 
 /// Supplies frames to render and takes the results; lives on rank 0.

@@ -143,7 +143,6 @@ const std::vector<Case> command_line_cases{
 };
 
 const std::vector<Case> contradictions{
-    {"+ --max-error 1 --path -", "--max-error"},
     {"+ --labels --log", "contradict"},
     {"+ --labels --tf grey", "contradict"},
     {"+ --view top --azimuth 10", "--view and --azimuth contradict each other"},
@@ -185,6 +184,12 @@ const std::vector<Case> contradictions{
     {"render {in}/good.nrrd -o {out}/x.exr --depth 1", "--depth 1 is no opacity"},
     {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --mode mip", "--depth and --mode contradict"},
     {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --slice x=1", "--depth and --slice contradict"},
+    {"+ --cut q=3", "--cut 'q=3' names no slice"},
+    {"+ --cut plane:0,0,0,1", "needs a direction of finite length"},
+    {"+ --cut x=100000", "--cut"},
+    {"+ --cut x=1 --mode sum", "--cut and --mode contradict"},
+    {"+ --cut x=1 --quality paper", "--cut has no effect on splats"},
+    {"+ --cut x=1 --clip-plane 1,0,0,0:0,1,0,0:0,0,1,0", "3 clip planes are too many"},
     {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --channel 0,1", "--depth and --channel contradict"},
     {"render {in}/good.nrrd -o {out}/x.exr --depth 0.5 --quality paper", "--depth has no effect on splats"},
     {"+ --mode mip --specular 0.5", "--specular has no effect where values are shown instead of light"},

@@ -1,4 +1,6 @@
 // --clip: what people type, and the program itself, in one process and on ranks.
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -129,6 +131,53 @@ TEST_CASE("--clip-plane draws the same bits on ranks, in a ring and in a mesh", 
   }
   CHECK(says(files.render("x.exr", {"--clip-plane", "1,0,0,500"}).err,
              "clip planes leave nothing of the volume"));
+}
+
+TEST_CASE("a volume is cut open by a slice, which lies over what is left of it") {
+  const Workshop shop("jack", "40x36x44", {"--size", "96x80", "--azimuth", "30"});
+  const auto function = [&](const std::string& name, double opacity) {
+    write_text(shop / name, fmt::format(R"([{{"RGBPoints": [0, 0, 0, 0, 255, 1, 1, 1],)"
+                                        R"( "Points": [0, {0}, 0.5, 0, 255, 1, 0.5, 0]}}])",
+                                        opacity));
+    return Words{"--tf", shop / name};
+  };
+  const Words light = function("light.json", 0), opaque = function("opaque.json", 1);
+  const auto picture = [&](const Words& colours, const Words& more) {
+    shop.render("x.exr", joined(colours, more));
+    return read_image(shop / "x.exr").image;
+  };
+  // The volume's middle is 1.5 voxels above slice 20. From above what lies below that is left.
+  for (const auto& [elevation, left] : {std::pair{"20", "0,0,-1,1.5"}, {"-20", "0,0,1,-1.5"}}) {
+    const Words from{"--elevation", elevation};
+    const Image cut = picture(light, joined(from, {"--cut", "z=20"})),
+                behind = picture(light, joined(from, {"--clip-plane", left})),
+                slice = picture(opaque,
+                                joined(from, {"--mode", "mip", "--clip-plane", "0,0,1,-1.501:0,0,-1,1.499"}));
+    std::size_t over = 0, beside = 0;
+    for (std::size_t k = 0; k < cut.rgba.size(); ++k) {
+      const bool is_slice = slice.rgba[k | 3] == 1;
+      over += is_slice;
+      beside += !is_slice && behind.rgba[k | 3] > 0;
+      REQUIRE(cut.rgba[k] == Approx(is_slice ? slice.rgba[k] : behind.rgba[k]).margin(1e-6));
+    }
+    CHECK(over > 3000);
+    CHECK(beside > 100);
+  }
+}
+
+TEST_CASE("a cut has the same bits on ranks, near the field's truth", "[mpi]") {
+  const Files files;
+  const Words layouts[] = {{"--topology", "mesh", "--mesh", "2x1", "--renderers", "1"},
+                           {"--roles", "colocated"}};
+  for (const std::string projection : {"orthographic", "perspective"}) {
+    const Words more{"--cut", "plane:1,0.4,-0.7,2", "--clip-plane", "0,1,0,-9", "--projection", projection};
+    INFO(projection);
+    files.check_same_on(3, layouts[projection == "perspective"], more);
+    Words reference = files.words("truth.exr", more);
+    reference[0] = "reference";
+    succeeded(run_program(reference));
+    succeeded(run_program({"compare", files.picture, files / "truth.exr", "--fail-above", "1"}));
+  }
 }
 
 TEST_CASE("a slice of labels has their colours and no others") {

@@ -227,6 +227,28 @@ class Controls(WithPage):
         self.assertEqual(self.page.facts("state.clip_planes"), [])
         self.assertAlmostEqual(self.page.measure()["n"], whole, delta=0.01 * whole + 5)
 
+    def test_the_volume_is_cut_open_where_the_slices_meet(self):
+        self.page.press("6")  # from below
+        whole = self.page.measure()["n"]
+        self.page.put("cut", "2")
+        at = self.page.facts("slices.at")
+        self.assertEqual(self.page.facts("state.cut"), [2, *at])
+        self.assertNotEqual(self.page.measure()["n"], whole)
+        self.page.js("const f = document.getElementById('cut-place'); f.value = 3; f.dispatchEvent(new Event('input'))")
+        self.page.settle()
+        self.assertEqual(self.page.facts("state.cut"), [2, at[0], at[1], 3])
+        self.page.js("app.slices.goTo([1, 2, 40])")
+        self.page.settle()
+        self.assertEqual(self.page.facts("state.cut"), [2, 1, 2, 40])
+        self.page.put("cut", "3")
+        self.assertFalse(self.page.find("cut-place").is_displayed())
+        ActionChains(self.page.driver).key_down(Keys.CONTROL).send_keys("z").key_up(Keys.CONTROL).perform()
+        self.page.settle()
+        self.assertEqual(self.page.facts("state.cut")[0], 2)
+        self.page.put("cut", "")
+        self.assertIsNone(self.page.facts("state.cut"))
+        self.assertEqual(self.page.measure()["n"], whole)
+
     def test_background_is_the_corners_colour(self):
         self.page.put("background", "#405060")
         for channel, wanted in zip(self.page.measure()["corner"], (0x40, 0x50, 0x60)):

@@ -29,6 +29,24 @@ def across_view(options, client):
                    ":".join(",".join(map(repr, plane)) for plane in planes))
 
 
+def cut_open(options, client):
+    """Along an axis' slices, from both sides, and across the view: as the program draws it, and of the cut a probe's value."""
+    grey, at, volume = client.hello["modes"]["mip"], (50, 77, 62), client.hello["volume"]
+    for number, (cut, elevation) in enumerate((((2, *at), 35), ((2, *at), -35), ((0, *at), 20))):
+        state = {"transfer_function": grey, "mode": "mip", "cut": cut,
+                 "camera": {"azimuth": 60, "elevation": elevation, "zoom": 1, "pan": [0, 0]}}
+        got = client.snapshot(40 + number, 120, 100, state=state)
+        check_rendered(options, got, "cut.png", 0, options.volume, "--mode", "mip", "--size", "120x100", "--azimuth", "60",
+                       "--elevation", str(elevation), "--fit", "sphere", "--cut", f"{'xyz'[cut[0]]}={at[cut[0]]}")
+    client.picture(seq=client.view(width=120, height=100, **{**state, "cut": [3, *at]}), at_rest=1)
+    found = client.probe(50, 60, 50)
+    a, e = math.radians(60), math.radians(20)
+    viewer = (math.cos(e) * math.sin(a), -math.cos(e) * math.cos(a), math.sin(e))
+    apart = [(found["voxel"][k] - at[k]) * volume["spacing"][k] for k in range(3)]
+    world = [sum(volume["direction"][3 * k + row] * apart[k] for k in range(3)) for row in range(3)]
+    expect(found["hit"] and abs(sum(v * w for v, w in zip(viewer, world))) < 1e-6, found)
+
+
 def slices(options, server):
     client = server.client()
     data, dims = voxels(options.volume)
@@ -43,6 +61,7 @@ def slices(options, server):
         check_rendered(options, got, "slice.png", 0, options.volume, "--slice", f"{'xyz'[axis]}={index}", "--size",
                        f"{size[0]}x{size[1]}")
     across_view(options, client)
+    cut_open(options, client)
     for number, wrong in enumerate(([3, 0], [0, 128], [0, -1], [0], [1, 2, "x"], "x", 7)):
         client.send({"type": "snapshot", "id": 100 + number, "width": 8, "height": 8, "format": "png", "slice": wrong})
         expect("slice" in told(client, 100 + number), "the error names no slice")

@@ -78,7 +78,7 @@ TEST_CASE("Of two volumes that are compared each has its place among those that 
   REQUIRE(frames.size() == 4);
   for (std::size_t k = 0; k < 4; ++k) {
     CHECK(frames[k].volume == k);
-    CHECK(frames[k].below == (k == 2));
+    CHECK((frames[k].joins == Joins::below) == (k == 2));
   }
   views.not_loaded(3);
   CHECK_FALSE(views.next());

@@ -79,8 +79,12 @@ struct Shown {
   Reduction reduction;  ///< reduces the volume; opacities are corrected for the larger voxels
   /// The part of the volume that is shown, as if the rest were cut off; the camera fits the whole.
   std::optional<VoxelBox> clip = std::nullopt;
-  std::vector<ClipPlane> clip_planes = {};  ///< at most two, which only sheets can show
-  static constexpr std::size_t most_clip_planes = 2;
+  std::vector<ClipPlane> clip_planes = {};  ///< at most four, which only sheets can show
+  static constexpr std::size_t most_clip_planes = 4;
+  /// The volume is cut open: what lies before this plane, whichever its sides are, is cut off, and the plane
+  /// shows the values there, opaque, in the transfer function's colours. By sheets, and a second frame; with
+  /// two clip planes at most.
+  std::optional<ClipPlane> cut = std::nullopt;
   std::optional<EdgeOpacity> edges = std::nullopt;  ///< for sheets' light, Mode::composite
   /// Of a volume that was loaded with a segmentation, in sheets' Mode::composite and single slices: a slab,
   /// or a slice's place, has the label of the voxel nearest to its middle.
@@ -154,8 +158,8 @@ struct FrameSpec {
 };
 
 /// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
-/// zero, a threshold outside [0, 1), a projection, a mode, clip planes, edges or tints that the method has
-/// not.
+/// zero, a threshold outside [0, 1), a projection, a mode, clip planes, a cut, edges or tints that the method
+/// has not.
 void check(const FrameSpec& spec);
 /// Throws InputError when the method cannot draw the camera's kind of view.
 void check_projection(const Camera& camera, const Method& method);

@@ -1,6 +1,6 @@
 // Undo and redo of the scene.
 
-const kept = ['camera', 'transfer_function', 'clip', 'clip_planes', 'light', 'mode', 'isovalue', 'materials', 'shading', 'background', 'channels',
+const kept = ['camera', 'transfer_function', 'clip', 'clip_planes', 'cut', 'light', 'mode', 'isovalue', 'materials', 'shading', 'background', 'channels',
   'tints', 'compare', 'difference'];
 const mostSteps = 200;
 

@@ -24,6 +24,7 @@ const checks = {
                               b.every((range) => isNumbers(range, 2) && range[0] < range[1])),
   clip_planes: (all) => Array.isArray(all) && all.length <= mostPlanes &&
     all.every((plane) => isNumbers(plane, 4) && Math.hypot(...plane.slice(0, 3)) > 0),
+  cut: (c) => c === null || (isNumbers(c, 4) && [0, 1, 2, 3].includes(c[0])),
   background: isRgb,
   channels: (all) => Array.isArray(all) && all.every((c) => typeof c?.visible === 'boolean' && isRgb(c.colour) &&
     isNumbers(c.window, 2) && c.window[0] <= c.window[1]),

@@ -178,10 +178,20 @@ export class Slices {
     this.panes = [...[2, 1, 0].map((axis) => new Pane(this, axis)), new ViewPane(this)];
     byId('slices').append(...this.panes.map(({ canvas }) => canvas));
     onSettings(() => [2, 3].forEach((k) => { this.panes[k].canvas.hidden = settings.oblique !== (k === 3); }));
+    byId('cut').addEventListener('change', ({ target: { value } }) =>
+      app.scene.change({ cut: value === '' ? null : [Number(value), ...this.at] }));
+    byId('cut-place').addEventListener('input', ({ target }) => {
+      app.sender.pulse();
+      this.goTo(this.at.with(this.cut, target.valueAsNumber));
+    });
   }
 
   get volume() {
     return this.app.volume;
+  }
+  /** Where the volume is cut open: along an axis' slices, across the view (3), or nowhere. */
+  get cut() {
+    return this.app.scene.state.cut?.[0];
   }
   get shown() {
     return settings.slices && this.app.scene.state !== null;
@@ -204,11 +214,16 @@ export class Slices {
 
   /** Asks anew where the scene looks otherwise; what turns the volume changes only the slice across the view. */
   refresh() {
+    if (this.cut !== undefined) this.goTo(this.app.scene.state.cut.slice(1));
     const { state } = this.app.scene, { azimuth, elevation, roll } = state.camera;
     const looks = JSON.stringify(shownBy.map((key) => state[key])), view = [azimuth, elevation, roll].join();
     if (looks !== this.looks) this.ask();
     else if (view !== this.view) this.panes[3].ask();
     [this.looks, this.view] = [looks, view];
+    byId('cut').value = this.cut ?? '';
+    const place = byId('cut-place');
+    place.hidden = !(this.cut < 3);
+    if (!place.hidden) Object.assign(place, { max: this.volume.dims[this.cut] - 1, value: this.at[this.cut] });
   }
 
   ask() {
@@ -224,6 +239,7 @@ export class Slices {
     const at = this.nearest(place), before = this.at;
     if (at.every((v, k) => v === before[k])) return;
     [this.at, this.words] = [at, []];
+    if (this.cut !== undefined) this.app.scene.change({ cut: [this.cut, ...at] });
     for (const pane of this.panes) {
       if (pane.differs(at, before)) pane.ask();
       pane.draw();

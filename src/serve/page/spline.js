@@ -61,6 +61,12 @@ function clipBox(four, t, dims) {
   });
 }
 
+/** A cut moves along the same slices; others change halfway. */
+function cutOpen(four, t) {
+  const moves = four.every((cut) => cut?.[0] === four[1]?.[0]) && four[1];
+  return moves ? curve(...four, t).map((c) => Math.max(c, 0)) : four[t < 0.5 ? 1 : 2];
+}
+
 /** The scene at `time` (0 at the first key frame, 1 at the second ...). */
 export function sceneAt(frames, time, dims) {
   const first = clamp(Math.floor(time), 0, Math.max(0, frames.length - 2)), t = clamp(time - first, 0, 1);
@@ -74,6 +80,7 @@ export function sceneAt(frames, time, dims) {
     frame: Math.round((1 - t) * four[1].frame + t * four[2].frame),
     light: Math.hypot(...light) > 1e-6 ? light : four[1].light,
     clip: clipBox(four.map((f) => f.clip), t, dims),
+    cut: cutOpen(four.map((f) => f.cut), t),
     background: curve(...four.map((f) => f.background), t).map((c) => clamp(c, 0, 1)),
   };
 }

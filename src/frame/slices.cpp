@@ -1,0 +1,50 @@
+#include "frame/slices.hpp"
+
+#include <algorithm>
+#include <glm/matrix.hpp>
+
+#include "frame/frame_geometry.hpp"
+
+namespace ringsplat {
+
+ClipPlane plane_along_slices(const Grid& grid, Axis axis, const glm::dvec3& place) {
+  // The lattice may be oblique: its axes are not its slices' normals then.
+  const glm::dvec3 normal = glm::normalize(glm::transpose(glm::inverse(grid.direction))[int(axis)]);
+  return {normal, glm::dot(normal, from_middle(grid, place))};
+}
+
+std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid) {
+  const double voxels = std::max(1e-3, 2e-6 * std::max({grid.dims.x, grid.dims.y, grid.dims.z})),
+               half = voxels * grid.unit_length();
+  return {{plane.normal, plane.distance - half}, {-plane.normal, -plane.distance - half}};
+}
+
+void show_values(Shown& shown) {
+  const bool labels = shown.interpolation == Interpolation::nearest;
+  shown.edges.reset();
+  shown.shading = Shading::none;
+  shown.mode = labels ? Mode::composite : Mode::mip;
+  for (auto& point : shown.transfer_function.opacities) point.opacity = labels && point.opacity == 0 ? 0 : 1;
+}
+
+CutOpen cut_open(const FrameSpec& spec, const Grid& grid) {
+  CutOpen made{spec, spec};
+  const glm::dvec3 normal = glm::normalize(spec.shown.cut->normal);
+  const double distance = spec.shown.cut->distance;
+  const ViewTransform view =
+      make_view(spec.shown.camera, lattice_frame(grid), spec.shown.width, spec.shown.height);
+  const double to_viewer =
+      view.eye ? glm::dot(normal, from_middle(grid, *view.eye)) - distance : glm::dot(normal, view.to_viewer);
+  made.left.shown.clip_planes.push_back(to_viewer > 0 ? ClipPlane{-normal, -distance}
+                                                      : ClipPlane{normal, distance});
+  Shown& slice = made.slice.shown;
+  for (const ClipPlane& plane : planes_of_slice({normal, distance}, grid)) slice.clip_planes.push_back(plane);
+  show_values(slice);
+  slice.cut.reset();
+  slice.mixed = false;
+  slice.tints.clear();
+  if (auto* const sheets = std::get_if<Sheets>(&made.slice.how)) sheets->layers = 0;
+  return made;
+}
+
+}  // namespace ringsplat
