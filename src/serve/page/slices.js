@@ -178,8 +178,10 @@ export class Slices {
     this.panes = [...[2, 1, 0].map((axis) => new Pane(this, axis)), new ViewPane(this)];
     byId('slices').append(...this.panes.map(({ canvas }) => canvas));
     onSettings(() => [2, 3].forEach((k) => { this.panes[k].canvas.hidden = settings.oblique !== (k === 3); }));
-    byId('cut').addEventListener('change', ({ target: { value } }) =>
-      app.scene.change({ cut: value === '' ? null : [Number(value), ...this.at] }));
+    byId('cut').addEventListener('change', ({ target: { value } }) => {
+      app.scene.change({ cut: value === '' ? null : [Number(value), ...this.at] });
+      this.refresh();
+    });
     byId('cut-place').addEventListener('input', ({ target }) => {
       app.sender.pulse();
       this.goTo(this.at.with(this.cut, target.valueAsNumber));
