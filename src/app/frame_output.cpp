@@ -208,8 +208,11 @@ std::string why_empty(const FrameResult& result, const ValueRange& range) {
         "{:g}; hint: try --tf auto",
         tf.name, opaque, low, high);
   if (sum.visible_voxels + sum.voxels_outside == 0 && !shown.clip_planes.empty())
-    return "the picture is empty: clip planes leave nothing of the volume that is visible; hint: distances "
-           "count from its middle, and directions point to what is left";
+    return fmt::format(
+        "the picture is empty: {} leave nothing of the volume that is visible; hint: distances count from "
+        "its "
+        "middle, and clip planes' directions point to what is left",
+        shown.cut ? "the cut and clip planes" : "clip planes");
   if (sum.visible_voxels + sum.voxels_outside == 0)
     return fmt::format(
         "the picture is empty: transfer function '{}' is opaque {}, and no voxel has such a value though the "

@@ -160,13 +160,13 @@ void check_clip_planes(const Shown& shown, const Method& method) {
   const std::size_t most = Shown::most_clip_planes - (shown.cut ? 2 : 0);
   if (shown.clip_planes.size() > most)
     throw InputError(fmt::format("{} clip planes are too many", shown.clip_planes.size()),
-                     fmt::format("give {} at most", most));
+                     fmt::format("give {} at most{}", most, shown.cut ? " with --cut" : ""));
   std::vector<ClipPlane> planes = shown.clip_planes;
   if (shown.cut) planes.push_back(*shown.cut);
   for (const ClipPlane& plane : planes) {
     const double length = glm::length(plane.normal);
     if (!(std::isfinite(length) && length > 0 && std::isfinite(plane.distance)))
-      throw InputError("a clip plane needs a direction of finite length above zero and a finite distance",
+      throw InputError("a plane needs a direction of finite length above zero and a finite distance",
                        "for instance 0,1,0,0");
   }
   if (!planes.empty() && std::holds_alternative<Splats>(method))

@@ -40,6 +40,11 @@ CutOpen cut_open(const FrameSpec& spec, const Grid& grid) {
   Shown& slice = made.slice.shown;
   for (const ClipPlane& plane : planes_of_slice({normal, distance}, grid)) slice.clip_planes.push_back(plane);
   show_values(slice);
+  auto& colours = slice.transfer_function.colours;
+  const auto is_first = [&](const auto& point) { return point.srgb == colours.front().srgb; };
+  // A surface's one colour would show no values.
+  if (std::ranges::all_of(colours, is_first))
+    colours = {{colours.front().value, glm::dvec3(0.0)}, {colours.back().value, glm::dvec3(1.0)}};
   slice.cut.reset();
   slice.mixed = false;
   slice.tints.clear();

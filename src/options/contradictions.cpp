@@ -101,8 +101,10 @@ const Rule all_rules[] = {
      "--channel=several --slice --truth=certified --truth=analytic --mode=mip --mode=attenuated --mode=minip "
      "--mode=mean --mode=sum",
      "depths are of light or a surface, and of one volume: leave one out"},
-    {"--cut", excludes, "--slice --depth --values --mode=sum --truth=analytic --error --max-error",
-     "a cut shows colours of values, which have no error of their own: leave one out"},
+    {"--cut", excludes, "--slice --depth --values --mode=sum",
+     "a cut shows values in colours, in a volume: leave one out"},
+    {"--cut", excludes, "--truth=analytic --error --max-error",
+     "the error of two frames is not measured: compare with reference --cut"},
     {without_light, excludes, "--tf2d", "only light through the volume goes by opacities: leave one out"},
     {"--mask-as", needs, "--mask", "name the segmentation by --mask FILE"},
     {"--mask-as=tint --mask-as=outline", excludes,

@@ -338,9 +338,11 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
   scene.cut.reset();
   if (const json cut = state.value("cut", json()); !cut.is_null()) {
     list_from(cut, "cut", 4, 4);
-    scene.cut = {std::floor(number_from(cut[0], "the cut's axis", 0, 3)), 0, 0, 0};
+    scene.cut = {number_from(cut[0], "the cut's axis", 0, 3), 0, 0, 0};
+    if (scene.cut->x != std::floor(scene.cut->x)) throw InputError("the cut's axis must be a whole number");
     for (int k = 0; k < 3; ++k)
-      (*scene.cut)[k + 1] = number_from(cut[std::size_t(k) + 1], "the cut's voxel", -0.5, 1e9);
+      (*scene.cut)[k + 1] =
+          number_from(cut[std::size_t(k) + 1], "the cut's voxel", -0.5, rules.grid.dims[k] - 0.5);
     if (shown.mode != Mode::sum) shown.cut = plane_of(*scene.cut, shown.camera, rules.grid);
   }
   scene.background = vector_from(member(state, "background"), "background", 0, 1);

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
-#include <glm/vector_relational.hpp>
 #include <optional>
+#include <utility>
 
 #include "frame/frame_geometry.hpp"
 #include "frame/slices.hpp"
@@ -55,8 +55,8 @@ class Probe {
       shown.values = true;
     }
     check_frame(*next_, grid);
-    if (full.shown.cut) look_at(*full.shown.cut);
-    if (stage_ == Stage::whole && shown.mode == Mode::surface) look_for_depth(1);
+    if (shown.mode == Mode::surface) look_for_depth(1);
+    if (full.shown.cut) look_at_cut(full);
   }
 
   /// Of a voxel.
@@ -75,8 +75,14 @@ class Probe {
   const std::optional<FrameSpec>& next_frame() const { return next_; }
   void take(const Image& picture) {
     const float number = picture.pixel(0, 0)[0], opacity = picture.pixel(0, 0)[3];
-    if (stage_ != Stage::value && opacity < least_opacity) return next_.reset();
+    const bool clear = opacity < least_opacity;
+    if (clear && (stage_ == Stage::whole || stage_ == Stage::place)) return next_.reset();
     switch (stage_) {
+      case Stage::cut:
+        if (!clear) return found(on_cut_);
+        next_ = std::exchange(behind_, std::nullopt);
+        stage_ = next_->shown.depth ? Stage::place : Stage::whole;
+        return;
       case Stage::whole:
         answer_.value = number;
         return look_for_depth(opacity);
@@ -85,14 +91,14 @@ class Probe {
         if (extreme_) next_.reset();
         return;
       case Stage::value:
-        answer_.value = number;
+        answer_.value = opacity > 0 ? number : NAN;
         return next_.reset();
     }
   }
   const Probed& answer() const { return answer_; }
 
  private:
-  enum class Stage { whole, place, value };
+  enum class Stage { cut, whole, place, value };
   /// Less opaque a ray hits nothing.
   static constexpr float least_opacity = 1.0F / 32;
 
@@ -140,20 +146,19 @@ class Probe {
     return point + way * (depth * seen.pixels_per_unit / (seen.linear * way).z);
   }
 
-  /// Takes the place where the ray meets the cut, if it does: that is opaque.
-  void look_at(const ClipPlane& cut) {
-    const auto before = [&](const ClipPlane& plane, const glm::dvec3& place) {
-      return glm::dot(glm::normalize(plane.normal), from_middle(grid_, place)) - plane.distance;
+  /// The next frame tells whether the cut is clear where the ray meets it; then what is behind is looked at.
+  void look_at_cut(const FrameSpec& full) {
+    const ClipPlane& cut = *full.shown.cut;
+    const auto before = [&](const glm::dvec3& place) {
+      return glm::dot(glm::normalize(cut.normal), from_middle(grid_, place)) - cut.distance;
     };
     const auto [point, way] = ray(view());
-    const double here = before(cut, point), rise = before(cut, point + way) - here;
-    const glm::dvec3 place = point - way * (here / rise);
-    const VoxelBox box = next_->shown.clip.value_or(whole_box(grid_));
-    const auto& planes = next_->shown.clip_planes;  // the last is the cut's own
-    if (glm::all(glm::greaterThanEqual(place, glm::dvec3(box.first) - 0.5)) &&
-        glm::all(glm::lessThan(place, glm::dvec3(box.end) - 0.5)) &&
-        std::all_of(planes.begin(), planes.end() - 1, [&](auto& plane) { return before(plane, place) >= 0; }))
-      found(place);
+    const double here = before(point);
+    on_cut_ = point - way * (here / (before(point + way) - here));
+    stage_ = Stage::cut;
+    behind_ = std::exchange(next_, cut_open(full, grid_).slice);
+    next_->shown.camera = behind_->shown.camera;
+    show_one_pixel();
   }
 
   /// The last frame tells the value there, seen from straight before its slice; of labels, between which
@@ -196,6 +201,8 @@ class Probe {
   Grid grid_;
   double low_ = 0, high_ = 1;  ///< of the volume's values
   std::optional<FrameSpec> next_;
+  std::optional<FrameSpec> behind_;  ///< the cut
+  glm::dvec3 on_cut_{0.0};
   std::optional<Mode> extreme_;  ///< that is looked for
   Stage stage_ = Stage::whole;
   Probed answer_;

@@ -165,6 +165,20 @@ TEST_CASE("a volume is cut open by a slice, which lies over what is left of it")
   }
 }
 
+TEST_CASE("a cut through a surface of one colour shows values in grey") {
+  TemporaryFolder folder;
+  const std::string volume = folder / "ramp.npy", picture = folder / "x.exr";
+  std::string values;
+  for (int k = 0; k < 24 * 24 * 24; ++k) values += char(8 * (k / 24 % 24));
+  write_text(volume, files::npy("|u1", "(24, 24, 24)") + values);
+  succeeded(run_program({"render", volume, "-o", picture, "--view", "right", "--size", "48", "--mode",
+                         "surface", "--isovalue", "60", "--cut", "x=12"}));
+  const Image cut = read_image(picture).image;
+  const std::size_t row = std::size_t{24} * 48;
+  CHECK(cut.rgba[4 * (row + 8) + 3] == 1);
+  CHECK(cut.rgba[4 * (row + 40)] > cut.rgba[4 * (row + 8)] + 0.2F);
+}
+
 TEST_CASE("a cut has the same bits on ranks, near the field's truth", "[mpi]") {
   const Files files;
   const Words layouts[] = {{"--topology", "mesh", "--mesh", "2x1", "--renderers", "1"},

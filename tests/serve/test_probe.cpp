@@ -134,6 +134,19 @@ TEST_CASE("A probe of a volume that is cut open finds the cut, and beside it the
   CHECK((!behind.hit || behind.voxel.z < 14.4));
 }
 
+TEST_CASE("A probe goes on where the cut is clear") {
+  FrameSpec spec = view(0, 30);
+  spec.shown.cut = ClipPlane{{0, 0, -1}, 2};
+  spec.shown.interpolation = Interpolation::nearest;
+  spec.shown.transfer_function.opacities = {{0, 0}, {99, 0}, {100, 1}, {250, 1}};
+  const ViewTransform seen =
+      make_view(spec.shown.camera, {grid().dims, grid().spacing, grid().origin, grid().direction}, 120, 100);
+  const glm::dvec3 beside = seen.project({15.5, 1, 14.5}), inside = seen.project({15.5, 15.5, 14.5});
+  CHECK(probe(spec, inside.x, inside.y).voxel.z == Approx(14.5));
+  const Probed behind = probe(spec, beside.x, beside.y);
+  CHECK((!behind.hit || behind.voxel.z < 14.4));
+}
+
 TEST_CASE("A probe beside the volume hits nothing") {
   const Probed probed = probe(view(30, 20), 1, 1);
   CHECK(!probed.hit);

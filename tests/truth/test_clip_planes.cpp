@@ -143,7 +143,7 @@ TEST_CASE("an undersampled volume is cut where the whole is") {
 
 TEST_CASE("clip planes without a direction, five of them, and splats are refused") {
   FrameSpec spec = spec_of({}, {{{0, 0, 0}, 1}});
-  CHECK(says(message_of([&] { check(spec); }), "a clip plane needs a direction"));
+  CHECK(says(message_of([&] { check(spec); }), "a plane needs a direction"));
   spec.shown.clip_planes = {{{1, 0, 0}, INFINITY}};
   CHECK_THROWS_AS(check(spec), InputError);
   spec.shown.clip_planes.assign(5, {{1, 0, 0}, 0});
