@@ -210,8 +210,7 @@ std::string why_empty(const FrameResult& result, const ValueRange& range) {
   if (sum.visible_voxels + sum.voxels_outside == 0 && !shown.clip_planes.empty())
     return fmt::format(
         "the picture is empty: {} leave nothing of the volume that is visible; hint: distances count from "
-        "its "
-        "middle, and clip planes' directions point to what is left",
+        "its middle, and clip planes' directions point to what is left",
         shown.cut ? "the cut and clip planes" : "clip planes");
   if (sum.visible_voxels + sum.voxels_outside == 0)
     return fmt::format(
