@@ -2,7 +2,6 @@
 #include <cstdint>
 #include <list>
 #include <map>
-#include <memory>
 #include <utility>
 
 #include "net/mesh.hpp"
@@ -11,9 +10,9 @@
 namespace ringsplat {
 
 /// Moves all tokens one GP per step, whatever the delays: the clock that the proof in mesh.hpp assumes, for
-/// runs in one process. The tokens form a train, in the order in which the front
-/// slice's owner first uses them. The k-th one's payload of traversal step s leaves in step k + s after the
-/// frame's start, and the token itself in the step after.
+/// runs in one process. The tokens form a train, in the order in which the front slice's owner first uses
+/// them. The k-th one's payload of traversal step s leaves in step k + s after the frame's start, and the
+/// token itself in the step after.
 class LockStep {
  public:
   /// True when a message may leave its node now.
@@ -49,25 +48,25 @@ class LockStep {
 /// Keeps the payloads and tokens of this rank's nodes until their step of a lock-step clock.
 class LockStepTransport final : public TransportDecorator {
  public:
-  LockStepTransport(Transport& links, std::shared_ptr<LockStep> clock)
-      : TransportDecorator(links), clock_(std::move(clock)) {}
+  /// `clock`: of all ranks; it must outlive this.
+  LockStepTransport(Transport& links, LockStep& clock) : TransportDecorator(links), clock_(clock) {}
 
   void send(int destination, Message message) override {
-    if (clock_->may_leave(message.header)) {
+    if (clock_.may_leave(message.header)) {
       inner_.send(destination, std::move(message));
       return;
     }
-    ++clock_->kept;
+    ++clock_.kept;
     kept_.push_back({destination, std::move(message)});
   }
   bool begin_turn() override {
     const bool released = inner_.begin_turn();
     const auto left = kept_.remove_if([this](Kept& kept) {
-      const bool leaves = clock_->may_leave(kept.message.header);
+      const bool leaves = clock_.may_leave(kept.message.header);
       if (leaves) inner_.send(kept.destination, std::move(kept.message));
       return leaves;
     });
-    clock_->kept -= int(left);
+    clock_.kept -= int(left);
     return released || left > 0;
   }
 
@@ -76,7 +75,7 @@ class LockStepTransport final : public TransportDecorator {
     int destination;
     Message message;
   };
-  std::shared_ptr<LockStep> clock_;
+  LockStep& clock_;
   std::list<Kept> kept_;
 };
 

@@ -289,13 +289,13 @@ inline void run_loopback(const Layout& layout, const ProtocolOptions& options,
                          FrameSource& source, const LoopbackOptions& loopback = {}) {
   ProtocolOptions protocol = options;
   if (loopback.in_step) protocol.frames_in_flight = 1;
-  const auto clock = std::make_shared<LockStep>();
+  LockStep clock;
   Between in_step;
   if (loopback.in_step) {
-    in_step.pace = [clock](Transport& links) { return std::make_unique<LockStepTransport>(links, clock); };
+    in_step.pace = [&clock](Transport& links) { return std::make_unique<LockStepTransport>(links, clock); };
     if (loopback.on_link_use)
       in_step.observer = [&](const Link& link, const Header& h) {
-        loopback.on_link_use(clock->now(), link, h);
+        loopback.on_link_use(clock.now(), link, h);
       };
   }
   LoopbackNetwork network(layout.ranks(), loopback);
@@ -325,12 +325,12 @@ inline void run_loopback(const Layout& layout, const ProtocolOptions& options,
     if (moved) pauses = 0;
     // A delayed message arrives within max_delay turns.
     if (quiet_turns <= loopback.max_delay && (moved || network.in_flight())) continue;
-    if (clock->kept == 0 && more_may_come) {
+    if (clock.kept == 0 && more_may_come) {
       constexpr auto shortest = std::chrono::microseconds(200), longest = std::chrono::microseconds(10000);
       source.pause(std::min(longest, shortest * (1 + pauses++ / 16)));
       continue;
     }
-    if (clock->kept == 0) {
+    if (clock.kept == 0) {
       std::string who;
       for (const auto& rank : ranks) {
         const std::string what = rank->waiting_for();
@@ -340,7 +340,7 @@ inline void run_loopback(const Layout& layout, const ProtocolOptions& options,
       }
       throw RunError("no rank can move and no message on its way can change that:" + who);
     }
-    clock->advance();
+    clock.advance();
     quiet_turns = 0;
   }
 }
