@@ -29,9 +29,10 @@ void settle_picture(const OptionList& list, RenderOptions& o);
 /// Records which given options change nothing: `reference` takes render's, and not all concern a truth.
 void note_options_without_effect(const OptionList& list, ReferenceOptions& o);
 
-/// Makes angles of --view. Without any option that says from where, a patient is seen from the front, all
-/// else from above and the right; but what would be seen from one of its narrow sides is seen from its broad
-/// one: returns a line that says so, or an empty text. Call it once the volume is open.
+/// Makes angles of --view, has --slice seen from straight before it, and --cut be a plane. Without any option
+/// that says from where, a patient is seen from the front, all else from above and the right; but what would
+/// be seen from one of its narrow sides is seen from its broad one: returns a line that says so, or an empty
+/// text. Call it once the volume is open.
 [[nodiscard]] std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes);
 
 }  // namespace ringsplat::app
