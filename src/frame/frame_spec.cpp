@@ -11,6 +11,7 @@
 #include "base/archive.hpp"
 #include "frame/frame_fields.hpp"
 #include "frame/frame_spec_bytes.hpp"
+#include "frame/slices.hpp"
 #include "ringsplat/base/error.hpp"
 #include "screen/regions.hpp"
 
@@ -157,7 +158,7 @@ void check_mixed(const Shown& shown, const Method& method) {
 }
 
 void check_clip_planes(const Shown& shown, const Method& method) {
-  const std::size_t most = Shown::most_clip_planes - (shown.cut ? 2 : 0);
+  const std::size_t most = shown.cut ? most_clip_planes_of_cut : Shown::most_clip_planes;
   if (shown.clip_planes.size() > most)
     throw InputError(fmt::format("{} clip planes are too many", shown.clip_planes.size()),
                      fmt::format("give {} at most{}", most, shown.cut ? " with --cut" : ""));

@@ -7,10 +7,17 @@
 
 namespace ringsplat {
 
+double before(const ClipPlane& plane, const Grid& grid, const glm::dvec3& place) {
+  return glm::dot(glm::normalize(plane.normal), from_middle(grid, place)) - plane.distance;
+}
+
+ClipPlane plane_across(const Grid& grid, const glm::dvec3& direction, const glm::dvec3& place) {
+  return {direction, glm::dot(direction, from_middle(grid, place))};
+}
+
 ClipPlane plane_along_slices(const Grid& grid, Axis axis, const glm::dvec3& place) {
   // The lattice may be oblique: its axes are not its slices' normals then.
-  const glm::dvec3 normal = glm::normalize(glm::transpose(glm::inverse(grid.direction))[int(axis)]);
-  return {normal, glm::dot(normal, from_middle(grid, place))};
+  return plane_across(grid, glm::normalize(glm::transpose(glm::inverse(grid.direction))[int(axis)]), place);
 }
 
 std::vector<ClipPlane> planes_of_slice(const ClipPlane& plane, const Grid& grid) {
@@ -34,7 +41,7 @@ CutOpen cut_open(const FrameSpec& spec, const Grid& grid) {
   const ViewTransform view =
       make_view(spec.shown.camera, lattice_frame(grid), spec.shown.width, spec.shown.height);
   const double to_viewer =
-      view.eye ? glm::dot(normal, from_middle(grid, *view.eye)) - distance : glm::dot(normal, view.to_viewer);
+      view.eye ? before(*spec.shown.cut, grid, *view.eye) : glm::dot(normal, view.to_viewer);
   made.left.shown.clip_planes.push_back(to_viewer > 0 ? ClipPlane{-normal, -distance}
                                                       : ClipPlane{normal, distance});
   Shown& slice = made.slice.shown;

@@ -149,15 +149,15 @@ json parsed(std::string_view text) {
 }
 
 /// The plane across a view through a place of the lattice.
-ClipPlane plane_across(const Camera& camera, const Grid& grid, const glm::dvec3& place) {
-  const glm::dvec3 to_viewer = make_view(camera, lattice_frame(grid), 1, 1).to_viewer;
-  return {to_viewer, glm::dot(to_viewer, from_middle(grid, place))};
+ClipPlane plane_across_view(const Camera& camera, const Grid& grid, const glm::dvec3& place) {
+  return plane_across(grid, make_view(camera, lattice_frame(grid), 1, 1).to_viewer, place);
 }
 
 /// `cut`: an axis, or 3 for across the view, and a voxel.
 ClipPlane plane_of(const glm::dvec4& cut, const Camera& camera, const Grid& grid) {
   const glm::dvec3 place(cut.y, cut.z, cut.w);
-  return cut.x < 3 ? plane_along_slices(grid, Axis(int(cut.x)), place) : plane_across(camera, grid, place);
+  return cut.x < 3 ? plane_along_slices(grid, Axis(int(cut.x)), place)
+                   : plane_across_view(camera, grid, place);
 }
 
 /// Has the scene show one slice of the whole volume and nothing else, opaque, from straight before it. `j`:
@@ -172,7 +172,7 @@ void show_slice(Shown& shown, const json& j, const MessageRules& rules) {
   if (j.size() == 3) {
     const glm::dvec3 place = vector_from(j, "the slice's voxel", -0.5, 1e9);
     camera = {.azimuth = camera.azimuth, .elevation = camera.elevation, .roll = camera.roll};
-    shown.clip_planes = planes_of_slice(plane_across(camera, grid, place), grid);
+    shown.clip_planes = planes_of_slice(plane_across_view(camera, grid, place), grid);
   } else {
     const auto axis = static_cast<int>(number_from(j[0], "the slice's axis", 0, 2));
     const auto index = static_cast<int>(number_from(j[1], "the slice", 0, grid.dims[axis] - 1));
@@ -332,7 +332,7 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
   if (const json clip = state.value("clip", json()); !clip.is_null())
     shown.clip = box_from(clip, rules.grid.dims);
   shown.clip_planes.clear();
-  for (const json& plane : list_from(member(state, "clip_planes"), "clip_planes", 0, 2))
+  for (const json& plane : list_from(member(state, "clip_planes"), "clip_planes", 0, most_clip_planes_of_cut))
     shown.clip_planes.push_back(plane_from(plane));
   shown.cut.reset();
   scene.cut.reset();

@@ -44,8 +44,9 @@ class Probe {
  public:
   /// `full`: the view's frame at its best level. (x, y): in pixels, from the corner. Throws InputError when
   /// the ranks would refuse the ray's frame.
-  Probe(const FrameSpec& full, const Grid& grid, double x, double y)
-      : grid_(grid), next_(full.shown.cut ? cut_open(full, grid).left : full) {
+  Probe(const FrameSpec& full, const Grid& grid, double x, double y) : grid_(grid), next_(full) {
+    const auto parts = full.shown.cut ? std::optional(cut_open(full, grid)) : std::nullopt;
+    if (parts) next_ = parts->left;
     Shown& shown = next_->shown;
     shown.camera = camera_of_pixel(shown.camera, lattice_frame(grid), shown.width, shown.height, x, y);
     show_one_pixel();
@@ -56,7 +57,7 @@ class Probe {
     }
     check_frame(*next_, grid);
     if (shown.mode == Mode::surface) look_for_depth(1);
-    if (full.shown.cut) look_at_cut(full);
+    if (parts) look_at_slice(parts->slice, *full.shown.cut);
   }
 
   /// Of a voxel.
@@ -147,16 +148,12 @@ class Probe {
   }
 
   /// The next frame tells whether the cut is clear where the ray meets it; then what is behind is looked at.
-  void look_at_cut(const FrameSpec& full) {
-    const ClipPlane& cut = *full.shown.cut;
-    const auto before = [&](const glm::dvec3& place) {
-      return glm::dot(glm::normalize(cut.normal), from_middle(grid_, place)) - cut.distance;
-    };
+  void look_at_slice(const FrameSpec& slice, const ClipPlane& cut) {
     const auto [point, way] = ray(view());
-    const double here = before(point);
-    on_cut_ = point - way * (here / (before(point + way) - here));
+    const double here = before(cut, grid_, point);
+    on_cut_ = point - way * (here / (before(cut, grid_, point + way) - here));
     stage_ = Stage::cut;
-    behind_ = std::exchange(next_, cut_open(full, grid_).slice);
+    behind_ = std::exchange(next_, slice);
     next_->shown.camera = behind_->shown.camera;
     show_one_pixel();
   }

@@ -6,6 +6,7 @@
 
 #include "base/process.hpp"
 #include "classify/auto_preset.hpp"
+#include "frame/slices.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::serve {
@@ -30,9 +31,8 @@ VoxelBox seen_box(const SceneState& scene, const Grid& grid) {
   double radius = 0;
   for (int k = 0; k < 3; ++k) radius += 0.5 * cell[k] * glm::length(glm::dvec2(view.linear[k]));
   const auto is_cut = [&](const glm::dvec3& middle) {
-    const glm::dvec3 place = from_middle(grid, middle);
     return std::ranges::any_of(shown.clip_planes, [&](const ClipPlane& plane) {
-      return glm::dot(glm::normalize(plane.normal), place) + world_radius < plane.distance;
+      return before(plane, grid, middle) < -world_radius;
     });
   };
   const auto is_in_picture = [&](const glm::dvec3& middle) {
