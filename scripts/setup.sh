@@ -20,6 +20,7 @@ drawing=(
   "libopenimageio-dev fonts-dejavu-core: pictures, and text in them"
   "libturbojpeg0-dev: JPEGs of the viewer's server"
   "libgdcm-dev: DICOM"
+  "libtiff-dev: TIFF"
   "libhdf5-dev: HDF5"
   "libexpat1-dev liblz4-dev liblzma-dev: VTK's XML"
   "libblosc-dev libzstd-dev: Zarr"

@@ -49,6 +49,9 @@ add_library(ringsplat_gdcm INTERFACE)
 target_include_directories(ringsplat_gdcm SYSTEM INTERFACE ${GDCM_INCLUDE_DIRS})
 target_link_libraries(ringsplat_gdcm INTERFACE gdcmMSFF)
 
+# A TIFF's pages; OpenImageIO, which reads their pixels, does not tell where they lie.
+pkg_check_modules(Tiff REQUIRED IMPORTED_TARGET libtiff-4>=4.5)
+
 # The viewer's JPEGs.
 pkg_check_modules(TurboJpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "formats/bad_files.hpp"
 #include "formats/captured_log.hpp"
@@ -74,6 +75,16 @@ std::string ome(const std::string& pixels, const std::string& inside = {}) {
 
 Bad pages(const char* what, const char* message, int count, const std::string& description) {
   return {what, message, [=](const Folder& f) { return write_pages(f / "a.tif", count, description); }};
+}
+
+const char* const not_there =
+    "it is cut short or damaged: a page, or a part of one, is not where it should be";
+
+/// Little-endian, of 2 or 4 bytes.
+std::uint32_t number_at(const std::string& bytes, std::size_t at, std::size_t size) {
+  std::uint32_t value = 0;
+  std::memcpy(&value, &bytes[at], size);
+  return value;
 }
 
 std::string file_uuid(const std::string& name) {
@@ -297,7 +308,65 @@ TEST_CASE("a stack whose description is cut off is refused", "[tiff][bad]") {
   bytes.replace(field + 8, 4, bytes_of(std::uint32_t(bytes.size())));
   CHECK(letters_of(write(path, bytes + text + '\0'), 0, "1") == "bdf");
   write(path, bytes + text.substr(0, text.size() / 2));
-  CHECK(says(message_of([&] { open_volume(path); }), "it is cut short: a page lies behind its end"));
+  CHECK(says(message_of([&] { open_volume(path); }), not_there));
+}
+
+TEST_CASE("pages that lead beyond the end or in a loop, or lack strips, are refused", "[tiff][bad]") {
+  const Folder folder;
+  const auto path = write_pages(folder / "a.tif", 3, "plain");
+  const auto bytes = slurp(path);
+  std::vector<std::size_t> links{4};  // where the pages' places are written
+  while (const auto page = number_at(bytes, links.back(), 4))
+    links.push_back(page + 2 + 12 * number_at(bytes, page, 2));
+  REQUIRE(links.size() == 4);
+  const auto refused = [&](std::string damaged) {
+    return says(message_of([&] { open_volume(write(path, damaged)); }), not_there);
+  };
+  const auto end = bytes_of(std::uint32_t(bytes.size()));
+  CHECK(refused(bytes.substr(0, links[3]).replace(links[2], 4, end)));
+  CHECK(refused(std::string(bytes).replace(links[3], 4, end)));
+  CHECK(refused(std::string(bytes).replace(links[3], 4, bytes.substr(4, 4))));
+  CHECK(refused(std::string(bytes).replace(links[3], 4, bytes.substr(links[2], 4))));
+  // The second page ends with the file, all but the place of a third.
+  const auto second = bytes.substr(number_at(bytes, links[1], 4), links[2] - number_at(bytes, links[1], 4));
+  CHECK(refused(std::string(bytes).replace(links[1], 4, end) + second));
+  CHECK(letters_of(*open_volume(write(
+            path, std::string(bytes).replace(links[1], 4, end) + second + std::string(4, '\0')))) == "ab");
+  // With strips of one row there are three of them.
+  const auto rows = bytes.find("\x16\x01", number_at(bytes, 4, 4));
+  REQUIRE(rows != std::string::npos);
+  CHECK(refused(std::string(bytes).replace(rows + 8, 1, "\x01")));
+}
+
+TEST_CASE("ImageJ's channels have the colours and ranges of its blocks, which must be there", "[tiff][bad]") {
+  const Folder folder;
+  const auto path = write_pages(folder / "a.tif", 2, image_j("images=2\nchannels=2\n"));
+  const auto bytes = slurp(path);
+  const std::string header = "JIJIgnar" + bytes_of(1) + "stul" + bytes_of(2);
+  const std::string ranges = bytes_of(3.0) + bytes_of(200.5) + bytes_of(0.0) + bytes_of(65535.0);
+  const std::string red = std::string(256, '\xFF') + std::string(512, '\0');
+  const std::string blocks = header + ranges + red + std::string(768, '\xFF');
+  // The first page's directory moves to the end and has two more fields.
+  const auto with_blocks = [&](int bytes_of_last) {
+    const std::size_t page = number_at(bytes, 4, 4), fields = number_at(bytes, page, 2);
+    std::string all = bytes + bytes_of(int(header.size())) + bytes_of(int(ranges.size())) + bytes_of(768) +
+                      bytes_of(bytes_of_last) + blocks;
+    const auto field = [](int tag, int type, std::size_t count, std::size_t value) {
+      return bytes_of(std::uint16_t(tag)) + bytes_of(std::uint16_t(type)) + bytes_of(std::uint32_t(count)) +
+             bytes_of(std::uint32_t(value));
+    };
+    all.replace(4, 4, bytes_of(std::uint32_t(all.size())));
+    return all + bytes_of(std::uint16_t(fields + 2)) + bytes.substr(page + 2, 12 * fields) +
+           field(50838, 4, 4, bytes.size()) + field(50839, 1, blocks.size(), bytes.size() + 16) +
+           bytes.substr(page + 2 + 12 * fields, 4);
+  };
+  const auto channels = open_volume(write(path, with_blocks(768)))->notes().of_channels;
+  REQUIRE(channels.size() == 2);
+  CHECK(channels[0].colour == glm::dvec3(1, 0, 0));
+  CHECK(channels[1].colour == glm::dvec3(1, 1, 1));
+  CHECK(channels[0].window == glm::dvec2(3, 200.5));
+  CHECK(!channels[1].window);
+  CHECK(says(message_of([&] { open_volume(write(path, with_blocks(769))); }), not_there));
 }
 
 TEST_CASE("smaller copies of pages are no slices", "[tiff]") {

@@ -25,6 +25,7 @@ class Ringsplat(CMakePackage):
     depends_on("mpi", when="+mpi")
     depends_on("openimageio@2.4:")
     depends_on("gdcm@3:")
+    depends_on("libtiff@4.5:")
     depends_on("hdf5@1.10.7:~mpi")
     depends_on("boost@1.74:")
     depends_on("libjpeg-turbo")

@@ -1,9 +1,12 @@
 #include "decode/tiff/file.hpp"
 
-#include <bit>
+#include <tiffio.h>
+
 #include <cmath>
+#include <numeric>
 #include <utility>
 
+#include "base/byte_order.hpp"
 #include "base/input_file.hpp"
 #include "base/text.hpp"
 #include "formats/limits.hpp"
@@ -16,48 +19,66 @@ namespace {
 struct TiffPage {
   bool beside = false;   ///< a smaller copy of another page, or a mask
   bool palette = false;  ///< its pixels are indices of colours
+  bool big_endian = false;
   /// Where its pixels lie when they are uncompressed and in one piece, else 0 bytes.
   std::uint64_t raw_begin = 0, raw_bytes = 0;
 };
-struct TiffPages {
-  bool big_endian = false;
-  std::vector<TiffPage> pages;  ///< in the order of the file's chain
-  // Of the first page; empty and 0 when missing.
-  std::string description;                 ///< tag ImageDescription
-  std::array<double, 2> resolution{0, 0};  ///< tags XResolution and YResolution: pixels for a unit
-  std::vector<ChannelNotes> of_channels;   ///< ImageJ's tags
+
+/// A file for libtiff, which takes what lies behind the end for missing and goes on.
+struct TiffBytes {
+  std::string_view bytes;
+  std::uint64_t at = 0;
+  bool all_there = true;  ///< what was asked for
 };
 
-enum Version : std::uint64_t { classic = 42, big_tiff = 43 };
-enum FieldTag : std::uint64_t {
-  new_subfile_type = 254,
-  compression = 259,
-  photometric = 262,
-  image_description = 270,
-  x_resolution = 282,
-  y_resolution = 283,
-  strip_offsets = 273,
-  strip_bytes = 279,
-  planar_configuration = 284,
-  tile_offsets = 324,
-  tile_bytes = 325,
-  image_j_lengths = 50838,
-  image_j_blocks = 50839
-};
-enum FieldType : std::uint64_t {
-  single_bytes = 1,
-  text = 2,
-  short_numbers = 3,
-  long_numbers = 4,
-  ratios = 5,
-  long8_numbers = 16
-};
+tmsize_t read_bytes(thandle_t file, void* out, tmsize_t wanted) {
+  auto& [bytes, at, all_there] = *static_cast<TiffBytes*>(file);
+  const auto found = bytes.substr(std::min<std::uint64_t>(at, bytes.size()), std::size_t(wanted));
+  all_there &= found.size() == std::size_t(wanted);
+  at += found.copy(static_cast<char*>(out), found.size());
+  return tmsize_t(found.size());
+}
 
-/// An array of numbers, inside its directory entry when it fits there.
-struct Field {
-  std::uint64_t begin = 0, count = 0;
-  std::size_t number_bytes = 0;
-};
+/// The current page's field; 0 when it has none.
+template <class T>
+T field(TIFF* tiff, std::uint32_t tag) {
+  T value{};
+  TIFFGetField(tiff, tag, &value);
+  return value;
+}
+
+/// An array of a tag that libtiff does not know; empty when its type is another.
+template <class T>
+std::span<const T> array_field(TIFF* tiff, std::uint32_t tag, TIFFDataType type) {
+  std::uint32_t count = 0;
+  const T* values = nullptr;
+  if (TIFFFindField(tiff, tag, type) != nullptr) TIFFGetField(tiff, tag, &count, &values);
+  return {values, count};
+}
+
+/// The current page. Looks whether its strips or tiles are there: pixels of missing ones would be anything.
+TiffPage page_of(TIFF* tiff, TiffBytes& file) {
+  TiffPage page;
+  page.beside =
+      (field<std::uint32_t>(tiff, TIFFTAG_SUBFILETYPE) & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) != 0;
+  page.palette = field<std::uint16_t>(tiff, TIFFTAG_PHOTOMETRIC) == PHOTOMETRIC_PALETTE;
+  page.big_endian = TIFFIsBigEndian(tiff) != 0;
+  const bool tiled = TIFFIsTiled(tiff) != 0;
+  const bool compressed = field<std::uint16_t>(tiff, TIFFTAG_COMPRESSION) != COMPRESSION_NONE;
+  bool raw = !tiled && !compressed && field<std::uint16_t>(tiff, TIFFTAG_PLANARCONFIG) == PLANARCONFIG_CONTIG;
+  const auto parts = tiled ? TIFFNumberOfTiles(tiff) : TIFFNumberOfStrips(tiff);
+  for (std::uint32_t i = 0; i < parts; ++i) {
+    const auto begin = TIFFGetStrileOffset(tiff, i), length = TIFFGetStrileByteCount(tiff, i);
+    file.all_there &= length > 0 && length <= file.bytes.size() && begin <= file.bytes.size() - length;
+    if (i == 0) page.raw_begin = begin;
+    raw = raw && begin == page.raw_begin + page.raw_bytes;
+    page.raw_bytes += length;
+  }
+  const auto least = TIFFVStripSize64(tiff, field<std::uint32_t>(tiff, TIFFTAG_IMAGELENGTH));
+  file.all_there &= compressed || page.raw_bytes >= least;
+  if (!raw) page.raw_begin = page.raw_bytes = 0;
+  return page;
+}
 
 /// All that 8 or 16 bits hold was nobody's choice.
 std::optional<glm::dvec2> window_of(double low, double high) {
@@ -66,149 +87,70 @@ std::optional<glm::dvec2> window_of(double low, double high) {
                                                          : std::nullopt;
 }
 
-/// Reads the directories of a TIFF or BigTIFF file (TIFF 6.0, section 2) and checks that they and their
-/// strips or tiles lie in the file. In a cut file the library takes a chain that leads beyond the end for the
-/// last page, and missing strips for zeros; here both throw InputError. A file that is not TIFF has no pages.
-class TiffChain {
- public:
-  explicit TiffChain(const InputFile& file)
-      : path_(file.path()), mapped_(file.mapped()), bytes_(mapped_.get(), std::size_t(file.size())) {
-    const auto order = bytes_.substr(0, 2);
-    if (order != "II" && order != "MM") return;
-    big_endian_ = order == "MM";
-    const auto version = number(2, 2);
-    wide_ = version == big_tiff;
-    is_tiff_ = version == classic || wide_;
-  }
-
-  TiffPages pages() const {
-    TiffPages found;
-    found.big_endian = big_endian_;
-    if (!is_tiff_) return found;
-    const auto most = bytes_.size() / (count_bytes() + offset_bytes());
-    for (auto at = number(wide_ ? 8 : 4, offset_bytes()); at != 0;) {
-      if (found.pages.size() > most) refuse(path_, "write the file again", "its pages form a loop");
-      at = read_page(at, found);
-    }
-    return found;
-  }
-
- private:
-  std::size_t offset_bytes() const { return wide_ ? 8 : 4; }
-  std::size_t count_bytes() const { return wide_ ? 8 : 2; }
-  std::size_t entry_bytes() const { return wide_ ? 20 : 12; }
-
-  [[noreturn]] void fail() const {
-    refuse(path_, "copy the file again", "it is cut short: a page lies behind its end");
-  }
-
-  std::uint64_t number(std::uint64_t offset, std::size_t bytes) const {
-    if (offset > bytes_.size() || bytes_.size() - offset < bytes) fail();
-    std::uint64_t value = 0;
-    for (std::size_t i = 0; i < bytes; ++i)
-      value = value << 8 | std::uint8_t(bytes_[offset + (big_endian_ ? i : bytes - 1 - i)]);
-    return value;
-  }
-
-  /// Returns the offset of the next page's directory, 0 after the last.
-  std::uint64_t read_page(std::uint64_t at, TiffPages& found) const {
-    auto& page = found.pages.emplace_back();
-    const bool first = found.pages.size() == 1;
-    const auto entries = number(at, count_bytes());
-    if (entries > bytes_.size() / entry_bytes()) fail();
-    Field offsets, lengths, block_lengths, blocks;
-    bool raw = true, compressed = false;
-    for (std::uint64_t i = 0; i < entries; ++i) {
-      const auto entry = at + count_bytes() + i * entry_bytes();
-      const auto tag = number(entry, 2), type = number(entry + 2, 2);
-      if (first && tag == image_description && type == text) found.description = text_of(field(entry));
-      if (first && (tag == x_resolution || tag == y_resolution) && type == ratios)
-        found.resolution[tag == x_resolution ? 0 : 1] = ratio_of(field(entry));
-      if (first && tag == image_j_lengths && type == long_numbers) block_lengths = field(entry);
-      if (first && tag == image_j_blocks && type == single_bytes) blocks = field(entry);
-      if (tag == strip_offsets || tag == tile_offsets) offsets = field(entry);
-      if (tag == strip_bytes || tag == tile_bytes) lengths = field(entry);
-      constexpr std::uint64_t smaller_copy = 1, mask = 4, is_palette = 3;
-      if (tag == new_subfile_type) page.beside = (value_of(field(entry)) & (smaller_copy | mask)) != 0;
-      if (tag == photometric) page.palette = value_of(field(entry)) == is_palette;
-      if (tag == compression) compressed = value_of(field(entry)) != 1;
-      if (tag == tile_offsets || (tag == planar_configuration && value_of(field(entry)) != 1)) raw = false;
-    }
-    if (block_lengths.count > 0 && blocks.count > 0) read_channels(block_lengths, blocks, found.of_channels);
-    const auto parts = std::min(offsets.count, lengths.count);
-    for (std::uint64_t i = 0; i < parts; ++i) {
-      const auto begin = value_of(offsets, i), length = value_of(lengths, i);
-      if (begin > bytes_.size() || length > bytes_.size() - begin) fail();
-      if (i == 0) page.raw_begin = begin;
-      raw = raw && begin == page.raw_begin + page.raw_bytes;
-      page.raw_bytes += length;
-    }
-    if (!raw || compressed) page.raw_begin = page.raw_bytes = 0;
-    return number(at + count_bytes() + entries * entry_bytes(), offset_bytes());
-  }
-
-  /// 0 beyond a field's last number.
-  std::uint64_t value_of(const Field& field, std::uint64_t i = 0) const {
-    return i < field.count ? number(field.begin + i * field.number_bytes, field.number_bytes) : 0;
-  }
-
-  Field field(std::uint64_t entry) const {
-    const auto type = number(entry + 2, 2);
-    const std::size_t bytes = type == text || type == single_bytes      ? 1
-                              : type == short_numbers                   ? 2
-                              : type == long_numbers                    ? 4
-                              : type == long8_numbers || type == ratios ? 8
-                                                                        : 0;
-    const auto count = number(entry + 4, offset_bytes()), value = entry + 4 + offset_bytes();
-    if (bytes == 0 || count > bytes_.size() / bytes) fail();
-    return {count * bytes <= offset_bytes() ? value : number(value, offset_bytes()), count, bytes};
-  }
-
-  /// The field's text up to its first zero byte.
-  std::string text_of(const Field& field) const {
-    const auto text = bytes_.substr(std::min<std::uint64_t>(field.begin, bytes_.size()), field.count);
-    if (text.size() < field.count) fail();
-    return std::string(text.substr(0, text.find('\0')));
-  }
-
-  /// ImageJ's blocks (ij/io/TiffEncoder.java): the first says how many there are of each kind behind it. A
-  /// channel's colours are 256 reds, greens and blues; ranges are two float64 a channel.
-  void read_channels(const Field& lengths, const Field& blocks, std::vector<ChannelNotes>& channels) const {
-    constexpr std::uint64_t colours = 0x6c757473, ranges = 0x72616e67;
-    constexpr std::uint64_t most_channels = 256, most_kinds = 4 + 8 * 64;
-    const auto length = [&](std::uint64_t block) { return value_of(lengths, block); };
-    const auto channel = [&](std::uint64_t k) -> ChannelNotes& {
-      if (k >= channels.size()) channels.resize(std::size_t(k + 1));
-      return channels[std::size_t(k)];
-    };
-    const auto kinds = std::min(length(0), most_kinds);
-    auto at = blocks.begin + length(0);
-    std::uint64_t block = 1;
-    for (std::uint64_t entry = 4; entry + 8 <= kinds; entry += 8) {
-      const auto kind = number(blocks.begin + entry, 4), count = number(blocks.begin + entry + 4, 4);
-      for (std::uint64_t k = 0; k < count && block < lengths.count; ++k, ++block) {
-        if (kind == colours && length(block) == 3 * 256 && k < most_channels)
-          channel(k).colour =
-              glm::dvec3(number(at + 255, 1), number(at + 511, 1), number(at + 767, 1)) / 255.0;
-        for (std::uint64_t c = 0; kind == ranges && c < std::min(length(block) / 16, most_channels); ++c)
-          channel(c).window = window_of(std::bit_cast<double>(number(at + 16 * c, 8)),
-                                        std::bit_cast<double>(number(at + 16 * c + 8, 8)));
-        at += length(block);
-      }
+/// ImageJ's blocks (ij/io/TiffEncoder.java): the first says how many there are of each kind behind it. A
+/// channel's colours are 256 reds, greens and blues; ranges are two float64 a channel.
+void read_channels(TIFF* tiff, TiffBytes& file, std::vector<ChannelNotes>& channels) {
+  constexpr std::uint32_t lengths_tag = 50838, blocks_tag = 50839, colours = 0x6c757473, ranges = 0x72616e67;
+  const auto lengths = array_field<std::uint32_t>(tiff, lengths_tag, TIFF_LONG);
+  const auto blocks = array_field<std::byte>(tiff, blocks_tag, TIFF_BYTE);
+  if (lengths.empty() || blocks.empty()) return;
+  file.all_there &= std::accumulate(lengths.begin(), lengths.end(), std::uint64_t{0}) <= blocks.size();
+  if (!file.all_there) return;
+  const BinaryFields numbers(blocks, TIFFIsBigEndian(tiff) != 0);
+  std::size_t next = lengths[0], block = 1;
+  for (std::size_t entry = 4; entry + 8 <= lengths[0]; entry += 8) {
+    const auto kind = numbers.at<std::uint32_t>(entry), count = numbers.at<std::uint32_t>(entry + 4);
+    for (std::size_t k = 0; k < count && block < lengths.size(); ++k) {
+      const std::size_t length = lengths[block++], at = std::exchange(next, next + length);
+      const auto full = [&](std::size_t colour) { return numbers.at<std::uint8_t>(at + 256 * colour + 255); };
+      if (kind == colours && length == 3 * 256 && k < channels.size())
+        channels[k].colour = glm::dvec3(full(0), full(1), full(2)) / 255.0;
+      for (std::size_t c = 0; kind == ranges && c < std::min(length / 16, channels.size()); ++c)
+        channels[c].window = window_of(numbers.at<double>(at + 16 * c), numbers.at<double>(at + 16 * c + 8));
     }
   }
+}
 
-  double ratio_of(const Field& field) const {
-    if (field.count < 1) return 0;
-    const auto above = number(field.begin, 4), below = number(field.begin + 4, 4);
-    return below == 0 ? 0 : double(above) / double(below);
+Microscopy microscopy_of_first_page(TIFF* tiff, TiffBytes& file) {
+  const char* const text = field<const char*>(tiff, TIFFTAG_IMAGEDESCRIPTION);
+  // A ratio that is a decimal becomes it again, without the noise of float32.
+  const auto decimal = [](float ratio) { return number_in<double>(fmt::format("{}", ratio)).value_or(0); };
+  const std::array resolution{decimal(field<float>(tiff, TIFFTAG_XRESOLUTION)),
+                              decimal(field<float>(tiff, TIFFTAG_YRESOLUTION))};
+  auto said = read_microscopy(text != nullptr ? text : "", resolution).value_or(Microscopy());
+  if (said.by != "ImageJ") return said;
+  constexpr std::int64_t most_channels = 256;
+  said.of_channels.resize(std::size_t(std::clamp<std::int64_t>(said.channels, 0, most_channels)));
+  read_channels(tiff, file, said.of_channels);
+  return said;
+}
+
+/// In the order of the file's chain. Of a file that is not TIFF, or whose first page cannot be read, none.
+std::vector<TiffPage> pages_of(const InputFile& input, Microscopy& microscopy) {
+  const auto mapped = input.mapped();
+  TiffBytes file{{mapped.get(), std::size_t(input.size())}};
+  const auto write = [](thandle_t, void*, tmsize_t) { return tmsize_t{0}; };
+  const auto seek = [](thandle_t in, toff_t to, int) { return static_cast<TiffBytes*>(in)->at = to; };
+  const auto close = [](thandle_t) { return 0; };
+  const auto size = [](thandle_t of) { return toff_t(static_cast<TiffBytes*>(of)->bytes.size()); };
+  const auto print_nothing = [](TIFF*, void*, const char*, const char*, va_list) { return 1; };
+  auto* const options = TIFFOpenOptionsAlloc();
+  TIFFOpenOptionsSetErrorHandlerExtR(options, print_nothing, nullptr);
+  TIFFOpenOptionsSetWarningHandlerExtR(options, print_nothing, nullptr);
+  TIFF* const opened = TIFFClientOpenExt(input.path().c_str(), "rc", &file, read_bytes, write, seek, close,
+                                         size, nullptr, nullptr, options);  // c: strips as they are
+  TIFFOpenOptionsFree(options);
+  const std::unique_ptr<TIFF, decltype(&TIFFClose)> tiff(opened, TIFFClose);
+  std::vector<TiffPage> pages;
+  if (!tiff) return pages;
+  microscopy = microscopy_of_first_page(tiff.get(), file);
+  for (bool readable = true; readable && file.all_there; readable = TIFFReadDirectory(tiff.get()) != 0) {
+    pages.push_back(page_of(tiff.get(), file));
+    if (file.all_there && TIFFLastDirectory(tiff.get()) != 0) return pages;
   }
-
-  std::filesystem::path path_;
-  std::shared_ptr<const char> mapped_;
-  std::string_view bytes_;
-  bool is_tiff_ = false, big_endian_ = false, wide_ = false;
-};
+  refuse(input.path(), "copy or write the file again",
+         "it is cut short or damaged: a page, or a part of one, is not where it should be");
+}
 
 void set_shape(const ImageShape& shape, bool indices, TiffFile& file) {
   if (shape.depth > 1) refuse(file.path, "write one slice a page", "{} planes in one page", shape.depth);
@@ -223,31 +165,21 @@ void set_shape(const ImageShape& shape, bool indices, TiffFile& file) {
   file.has_alpha = !indices && shape.alpha_channel >= 0 && shape.alpha_channel == shape.channels - 1;
 }
 
-/// The bytes that a page's pixels have uncompressed.
-std::uint64_t bytes_of(const TiffPage& page, const ImageShape& shape, const ImageFile& image) {
-  constexpr int whole_byte = 8;
-  const auto bytes = page.palette ? shape.bytes / std::uint64_t(std::max(1, shape.channels)) : shape.bytes;
-  const int bits = image.number("oiio:BitsPerSample");
-  return bits > 0 && bits < whole_byte ? bytes * std::uint64_t(bits) / whole_byte : bytes;
-}
-
 /// Adds the pages that are slices. Smaller copies and masks are none, unless the file has nothing else.
-void add_pages(const TiffPages& chain, TiffFile& file) {
+void add_pages(const std::vector<TiffPage>& pages, TiffFile& file) {
   const auto image = open_tiff_image(file.path);
-  const bool none_else = std::ranges::all_of(chain.pages, [](const TiffPage& page) { return page.beside; });
+  const bool none_else = std::ranges::all_of(pages, &TiffPage::beside);
   std::uint64_t bytes = 0;
-  bool compressed = is_png(file.path);
   std::size_t index = 0;
-  for (; index < chain.pages.size() && image->seek(int(index)); ++index) {
-    const TiffPage& page = chain.pages[index];
+  for (; index < pages.size() && image->seek(int(index)); ++index) {
+    const TiffPage& page = pages[index];
     if (page.beside && !none_else) continue;
     const ImageShape shape = image->shape();
     // A palette's indices are what was measured; the library gives their colours, so they are read without
     // it where that is possible.
     const bool indices =
         page.palette && page.raw_bytes == std::uint64_t(shape.width) * std::uint64_t(shape.height);
-    TiffFile found;
-    found.path = file.path;
+    TiffFile found{.path = file.path};
     set_shape(shape, indices, found);
     if (file.planes.empty()) set_shape(shape, indices, file);
     if (found.width != file.width || found.height != file.height || found.type != file.type ||
@@ -257,22 +189,15 @@ void add_pages(const TiffPages& chain, TiffFile& file) {
              to_string(found.type), file.width, file.height, to_string(file.type));
     file.planes.push_back({file.path, int(index)});
     if (indices) file.planes.back().raw_begin = page.raw_begin;
-    bytes += bytes_of(page, shape, *image);
-    const auto compression = image->text("compression");
-    compressed |= !compression.empty() && compression != "none";
+    bytes += shape.bytes;
   }
-  if (index != chain.pages.size() || image->seek(int(index)))
+  if (index != pages.size() || image->seek(int(index)))
     refuse(file.path, "the file was cut short or damaged", "page {} cannot be read", index);
-  const auto size = InputFile(file.path).size();
-  if (compressed)
-    require_compressed_bytes(file.path, size, bytes, any_best_ratio);
-  else
-    require_bytes(file.path, size, 0, bytes);
+  require_compressed_bytes(file.path, InputFile(file.path).size(), bytes, any_best_ratio);
 }
 
 /// ImageJ writes one page for a stack of more than 4 GB; its other planes follow the first.
-void add_planes_behind(const TiffPages& chain, std::uint64_t planes, TiffFile& file) {
-  const TiffPage& page = chain.pages[std::size_t(file.planes[0].page)];
+void add_planes_behind(const TiffPage& page, std::uint64_t planes, TiffFile& file) {
   const auto bytes = std::uint64_t(file.width) * std::uint64_t(file.height) * std::uint64_t(file.samples) *
                      size_of(file.type);
   if (page.raw_begin == 0 || (page.raw_bytes != bytes && page.raw_bytes / planes != bytes)) return;
@@ -281,14 +206,14 @@ void add_planes_behind(const TiffPages& chain, std::uint64_t planes, TiffFile& f
   if (planes > most || (size - page.raw_begin) / bytes < planes) return;
   file.planes.clear();
   for (std::uint64_t i = 0; i < planes; ++i)
-    file.planes.push_back({file.path, 0, page.raw_begin + i * bytes, chain.big_endian});
+    file.planes.push_back({file.path, 0, page.raw_begin + i * bytes, page.big_endian});
 }
 
-void require_planes(const TiffPages& chain, TiffFile& file) {
+void require_planes(const std::vector<TiffPage>& pages, TiffFile& file) {
   const Microscopy& said = file.microscopy;
   const auto planes = said.planes(file.slices());
   if (said.by == "ImageJ" && file.planes.size() == 1 && planes && *planes > 1)
-    add_planes_behind(chain, *planes, file);
+    add_planes_behind(pages[std::size_t(file.planes[0].page)], *planes, file);
   const bool all_there =
       planes && (said.runs.empty() ? *planes == file.planes.size() : *planes <= file.planes.size());
   if (all_there) return;
@@ -319,18 +244,14 @@ std::unique_ptr<ImageFile> open_tiff_image(const std::filesystem::path& path) {
 
 TiffFile read_tiff_file(const std::filesystem::path& path) {
   const InputFile input(path);
-  TiffPages chain = TiffChain(input).pages();
-  if (is_png(path)) chain.pages.resize(1);
-  TiffFile file;
-  file.path = path;
-  add_pages(chain, file);
-  if (file.planes.empty()) return file;
-  file.microscopy = read_microscopy(chain.description, chain.resolution).value_or(Microscopy());
+  TiffFile file{.path = path};
+  auto pages = pages_of(input, file.microscopy);
+  if (is_png(path)) pages.resize(1);
+  add_pages(pages, file);
   if (!file.microscopy.problem.empty())
     refuse(path, "extract one image as a stack, in Fiji with Image > Duplicate, or with tiffsplit",
            "{} (by its {})", file.microscopy.problem, file.microscopy.by);
-  require_planes(chain, file);
-  if (file.microscopy.by == "ImageJ") file.microscopy.of_channels = chain.of_channels;
+  require_planes(pages, file);
   return file;
 }
 

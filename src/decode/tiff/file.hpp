@@ -26,10 +26,10 @@ struct TiffFile {
   std::filesystem::path path;
   int width = 0, height = 0;
   ScalarType type = ScalarType::uint8;
-  int samples = 1;                ///< numbers a pixel
-  bool has_alpha = false;         ///< the last of them is opacity
-  std::vector<TiffSlice> planes;  ///< pages but smaller copies and masks, or all planes behind one page
-  Microscopy microscopy;          ///< without a problem; its planes are there
+  int samples = 1;                     ///< numbers a pixel
+  bool has_alpha = false;              ///< the last of them is opacity
+  std::vector<TiffSlice> planes = {};  ///< pages but smaller copies and masks, or all planes behind one page
+  Microscopy microscopy = {};          ///< without a problem; its planes are there
   /// Of each channel at each time.
   std::int64_t slices() const {
     if (microscopy.slices) return *microscopy.slices;

@@ -135,7 +135,6 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
   for (const auto& file_path : files_at(path)) {
     progress();
     const TiffFile file = read_tiff_file(file_path);
-    if (file.planes.empty()) continue;
     if (!first) taken = take(file, choice);
     if (!first) first = file;
     if (file.width != first->width || file.height != first->height || file.type != first->type ||
