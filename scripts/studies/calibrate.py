@@ -19,7 +19,7 @@ import numpy
 from .output import median, whole_file
 from .run import COLOCATED, DEDICATED, HEAD, Bench, output_of, parser, program, read_frames, repeat, say, shell
 
-ORBIT = ("--orbit", 8, "--elevation", 25, "--axes", "all")
+ORBIT = ("--orbit", 8, "--elevation", 25)
 SOFT = (HEAD, "--tf", "mr-soft", *ORBIT)
 # More ranks than cores: GPs and Renderers. `scripts/study compare-simulated` times others.
 SHARED = ((2, 3), (3, 2), (5, 2))

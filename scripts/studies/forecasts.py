@@ -7,7 +7,7 @@ from .output import median, ms, print_head, print_row, write_csv
 from .run import HEAD, MACHINES, PROGRAM, on_ranks, output_of, parser, program, read_frames, repeat
 from .simulation import simulate
 
-ORBIT = ("--tf", "mr-soft", "--size", "512x512", "--orbit", 8, "--elevation", 25, "--axes", "all")
+ORBIT = ("--tf", "mr-soft", "--size", "512x512", "--orbit", 8, "--elevation", 25)
 VIEW = ("--tf", "mr-soft", "--size", "512x512", "--azimuth", 30, "--elevation", 25, "--fit", "sphere", "--shading", "none")
 LAYOUTS = (
     [{"gps": g, "renderers": r} for g, r in ((1, 1), (2, 1), (1, 2), (2, 2), (3, 1), (4, 2), (3, 3), (6, 2), (4, 4), (8, 4), (12, 4))]

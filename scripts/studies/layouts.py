@@ -78,7 +78,7 @@ def rates(words):
     arguments = parser(rates.__doc__)
     repeat(arguments, 5)
     options = arguments.parse_args(words)
-    orbit = ("--orbit", 24, "--elevation", 25, "--tf", "mr-soft", "--axes", "all", "--frames-in-flight", 1)
+    orbit = ("--orbit", 24, "--elevation", 25, "--tf", "mr-soft", "--frames-in-flight", 1)
     layouts = {"1 + 1": (1, 1), "12 + 4": (12, 4)}
     with Bench() as bench:
         line = bench.make_line(4096)

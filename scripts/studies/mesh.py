@@ -8,12 +8,10 @@ from .run import HEAD, Bench, parser, read_frames, repeat
 SHAPES = {"2x2+4": 8, "3x3+3": 12, "4x4+4": 20, "4x4+8": 24}
 QUEUES = {"2x2+4": 8, "3x3+6": 15, "4x4+4": 20, "4x4+8": 24}
 ROUTINGS = ("direct", "manhattan")
-WAYS = {"step": "in step", "loopback": "freely, one process", "mpi": "freely, MPI"}
 
 
 def mesh(words):
-    """Ring against mesh and manhattan against direct routing on 8 to 24 ranks, what a hop costs, and how often messages meet on a link
-when tokens move in step and when they drift."""
+    """Ring against mesh and manhattan against direct routing on 8 to 24 ranks, what a hop costs, and how often messages meet on a link."""
     arguments = parser(mesh.__doc__)
     repeat(arguments, 3)
     options = arguments.parse_args(words)
@@ -23,7 +21,7 @@ when tokens move in step and when they drift."""
         for _ in range(options.repeat):
             for shape, ranks in SHAPES.items():
                 gps, renderers = shape.split("+")
-                orbit = (*view, "--orbit", 8, "--axes", "all", "--renderers", renderers)
+                orbit = (*view, "--orbit", 8, "--renderers", renderers)
                 bench.render(ranks, f"frame-{shape}-ring", *orbit, "--gps", ranks - int(renderers))
                 for routing in ROUTINGS:
                     bench.render(ranks, f"frame-{shape}-{routing}", *orbit, "--topology", "mesh", "--mesh", gps, "--routing", routing)
@@ -35,9 +33,7 @@ when tokens move in step and when they drift."""
             gps, renderers = shape.split("+")
             for slots in (1, 4):
                 queue = (*view, "--fit", "sphere", "--topology", "mesh", "--mesh", gps, "--renderers", renderers, "--link-slots", slots)
-                bench.render(0, f"queue-{shape}-{slots}-step", *queue, "--transport", "loopback", "--in-step")
-                bench.render(0, f"queue-{shape}-{slots}-loopback", *queue, "--transport", "loopback", "--shuffle", "--max-delay", 3)
-                bench.render(ranks, f"queue-{shape}-{slots}-mpi", *queue)
+                bench.render(ranks, f"queue-{shape}-{slots}", *queue)
         print_frames(bench)
         print_hops(bench)
         print_queues(bench)
@@ -75,13 +71,12 @@ def print_hops(bench):
 
 def print_queues(bench):
     print()
-    print_head("mesh", "slots a link", "tokens move", "messages over links", "met another", "waited for a slot", "in sum")
+    print_head("mesh", "slots a link", "messages over links", "met another", "waited for a slot", "in sum")
     for shape in QUEUES:
         for slots in (1, 4):
-            for way, text in WAYS.items():
-                links = bench.frames(f"queue-{shape}-{slots}-{way}", 0)[0]["links_total"]
-                shares = [f"{100 * links[key] / links['messages']:.1f} %" for key in ("shared", "waited")]
-                print_row(shape, slots, text, links["messages"], *shares, ms(links["wait_seconds"]) + " ms")
+            links = bench.frames(f"queue-{shape}-{slots}", 0)[0]["links_total"]
+            shares = [f"{100 * links[key] / links['messages']:.1f} %" for key in ("shared", "waited")]
+            print_row(shape, slots, links["messages"], *shares, ms(links["wait_seconds"]) + " ms")
 
 
 WHAT = {"bytes": "MiB", "payload_bytes": "MiB of splat messages", "messages": "messages", "payloads": "splat messages",

@@ -238,7 +238,7 @@ void check_memory(const Job& job, std::size_t pictures, const Launch& launch, do
                   volumes > 1 ? "two volumes at once need" : "this needs", held / (1 << 30),
                   frames / (1 << 30), machine / (1 << 30)),
       volumes > 1     ? "compare on more machines, or look at one volume"
-      : held > frames ? "use ranks on more machines, --axes needed or --shading none"
+      : held > frames ? "use ranks on more machines"
                       : "use a smaller --size");
 }
 

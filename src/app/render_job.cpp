@@ -85,7 +85,6 @@ void refuse_replacing_volumes(const RenderOptions& o, const std::vector<SeriesEn
 
 std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Camera>& cameras,
                                   const Grid& grid, Launch& launch) {
-  if (o.keep_all_axes) return {true, true, true};
   std::array<bool, 3> axes{};
   if (launch.rank() == 0) axes = needed_axes(o.frame, cameras, grid);
   return launch.of_rank_0(axes);

@@ -14,9 +14,8 @@ namespace ringsplat {
 namespace {
 
 std::string line_of(const std::string& rank) {
-  return fmt::format(
-      "ringsplat{}: error: {}; hint: use more ranks on more machines, a smaller --size or --axes needed\n",
-      rank, lack_of_memory);
+  return fmt::format("ringsplat{}: error: {}; hint: use more ranks on more machines, or a smaller --size\n",
+                     rank, lack_of_memory);
 }
 
 /// Made beforehand, and never gone.

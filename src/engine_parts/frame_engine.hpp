@@ -68,8 +68,7 @@ class FrameEncoder : public Encoder {
       : frame_(std::move(frame)), whole_store_(store), store_(store.level(frame_->shown.reduction.factor)) {
     if (!store_.keeps(axis()))
       throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded",
-                                 frame_->number, name(axis())),
-                     "load it with --axes all");
+                                 frame_->number, name(axis())));
   }
 
   std::uint64_t left_out(std::size_t steps) const override {

@@ -13,18 +13,23 @@ namespace ringsplat {
 
 struct Link;
 
+/// What a study or a test of a run puts between a rank's nodes and the network.
+struct Between {
+  /// Stands between links and nodes; empty: nothing does.
+  std::function<std::unique_ptr<Transport>(Transport& links)> pace = {};
+  std::function<void(const Link& link, const Header& header)> on_link_use = {};  ///< of a mesh's links
+};
+
 /// How messages travel between ranks that are all in one process; none of it changes a picture.
 struct LoopbackOptions {
   std::uint64_t seed = 0;
   bool reorder = false;  ///< messages overtake each other
   int max_delay = 0;     ///< a message arrives up to that many turns late
-  bool in_step = false;  ///< one frame at a time, and all tokens move one GP per step of a common clock
-                         ///< (lock_step.hpp)
-  /// In step: called with every mesh link in use.
-  std::function<void(std::int64_t step, const Link& link, const Header& header)> on_link_use = {};
-  int stopping_rank = -1;           ///< fault injection: this rank takes no more turns …
-  int stops_at_turn = 0;            ///< … from this one on
-  std::function<void()> poll = {};  ///< called between turns; may throw to end the run
+  Between between = {};
+  std::function<bool()> at_standstill = {};  ///< called when no rank can move: true when one can now
+  int stopping_rank = -1;                    ///< fault injection: this rank takes no more turns …
+  int stops_at_turn = 0;                     ///< … from this one on
+  std::function<void()> poll = {};           ///< called between turns; may throw to end the run
 };
 
 /// A network of ranks in one process. Tests of the protocol and runs without mpirun use it. It can delay and

@@ -198,14 +198,6 @@ void add_protocol_options(OptionList& list, RunOptions& o) {
        value(o.protocol.stall_timeout)},
       {"--stall-action", nullptr, initial, "What then comes of the run: it is given up, or waits on",
        choice(o.protocol.stall_ends, {{"end", true}, {"wait", false}})},
-      {"--shuffle", nullptr, nullptr, "Loopback: messages overtake each other and ranks take turns at random",
-       flag(o.loopback.reorder)},
-      {"--max-delay", nullptr, initial, "Loopback: turns by which a message may be late",
-       value(o.loopback.max_delay, {.least = 0})},
-      {"--in-step", nullptr, nullptr,
-       "Loopback: one frame at a time, and all tokens move one GP per step of a common clock",
-       flag(o.loopback.in_step)},
-      {"--seed", nullptr, initial, "Seed of what is random", value(o.loopback.seed, {.least = 0})},
   };
 }
 

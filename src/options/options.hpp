@@ -177,7 +177,6 @@ struct RenderOptions {
   bool direction_chosen = false;  ///< some option says from where the volume is seen
   std::optional<Fit> fit;         ///< empty: chosen by the other options
   bool annotate = false;
-  bool keep_all_axes = false;
   std::string output, stats, trace;
   bool stats_as_table = false;
   ErrorOptions error;

@@ -87,9 +87,6 @@ void add_render_output_options(OptionList& list, RenderOptions& o) {
       {"--trace", "FILE", nullptr,
        "What each node did when, as Chrome trace-event JSON, which opens in Perfetto", value(o.trace),
        Mark::of_program},
-      {"--axes", nullptr, initial,
-       "Slice sets that are kept in memory: those the views traverse, or all three",
-       choice(o.keep_all_axes, {{"needed", false}, {"all", true}}), Mark::of_program},
   };
 }
 

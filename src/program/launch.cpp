@@ -147,10 +147,6 @@ Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks, int co
           fmt::format("start it with mpirun, or use at most {} GPs and Renderers", most_in_one_process));
     return layout;
   }
-  if (o.loopback.reorder || o.loopback.max_delay != 0 || o.loopback.in_step)
-    throw InputError(
-        "--shuffle, --max-delay and --in-step are for the loopback transport, but this run goes over MPI",
-        "leave them out, or leave out mpirun");
   if (o.choose_roles) return layouts_to_choose_from(o, over_mpi, ranks).front();
   const Layout layout = layout_on_ranks(o, ranks, cores);
   check(layout);

@@ -15,7 +15,6 @@
 
 #include "base/clock.hpp"
 #include "base/log.hpp"
-#include "net/lock_step.hpp"
 #include "net/loopback.hpp"
 #include "net/mesh_transport.hpp"
 #include "net/message.hpp"
@@ -69,13 +68,6 @@ class CountedFrames final : public FrameSource {
   bool ended_ = false;
 };
 
-/// What a study of a run puts between a rank's nodes and the network.
-struct Between {
-  /// Stands between links and nodes; empty: nothing does.
-  std::function<std::unique_ptr<Transport>(Transport& links)> pace = {};
-  MeshRouter::Observer observer = {};  ///< of a mesh's links
-};
-
 /// One rank: its nodes, what carries their messages in a layout, and the progress loop that gives them
 /// messages and time. What comes is taken between the nodes' bounded pieces of work.
 class Host {
@@ -84,7 +76,8 @@ class Host {
   Host(const Layout& layout, const ProtocolOptions& options, Transport& network, Engine& engine,
        FrameSource* source, const Between& between = {})
       : layout_(layout), options_(options), transport_(&network), source_(source) {
-    if (layout.routed()) transport_ = &mesh_.emplace(layout, options.link_slots, network, between.observer);
+    if (layout.routed())
+      transport_ = &mesh_.emplace(layout, options.link_slots, network, between.on_link_use);
     if (mesh_ && source != nullptr) source_ = &counted_.emplace(*source, *mesh_, options.frames_in_flight);
     if (between.pace) paced_ = between.pace(*transport_);
     if (paced_) transport_ = paced_.get();
@@ -287,24 +280,13 @@ class Host {
 inline void run_loopback(const Layout& layout, const ProtocolOptions& options,
                          const std::function<std::unique_ptr<Engine>(int rank)>& make_engine,
                          FrameSource& source, const LoopbackOptions& loopback = {}) {
-  ProtocolOptions protocol = options;
-  if (loopback.in_step) protocol.frames_in_flight = 1;
-  LockStep clock;
-  Between in_step;
-  if (loopback.in_step) {
-    in_step.pace = [&clock](Transport& links) { return std::make_unique<LockStepTransport>(links, clock); };
-    if (loopback.on_link_use)
-      in_step.observer = [&](const Link& link, const Header& h) {
-        loopback.on_link_use(clock.now(), link, h);
-      };
-  }
   LoopbackNetwork network(layout.ranks(), loopback);
   std::vector<std::unique_ptr<Engine>> engines;
   std::vector<std::unique_ptr<Host>> ranks;
   for (int rank = 0; rank < layout.ranks(); ++rank) {
     engines.push_back(make_engine(rank));
-    ranks.push_back(std::make_unique<Host>(layout, protocol, network.transport(rank), *engines.back(),
-                                           rank == 0 ? &source : nullptr, in_step));
+    ranks.push_back(std::make_unique<Host>(layout, options, network.transport(rank), *engines.back(),
+                                           rank == 0 ? &source : nullptr, loopback.between));
   }
   std::vector<std::size_t> order(ranks.size());
   std::iota(order.begin(), order.end(), 0);
@@ -325,23 +307,22 @@ inline void run_loopback(const Layout& layout, const ProtocolOptions& options,
     if (moved) pauses = 0;
     // A delayed message arrives within max_delay turns.
     if (quiet_turns <= loopback.max_delay && (moved || network.in_flight())) continue;
-    if (clock.kept == 0 && more_may_come) {
+    if (loopback.at_standstill && loopback.at_standstill()) {
+      quiet_turns = 0;
+      continue;
+    }
+    if (more_may_come) {
       constexpr auto shortest = std::chrono::microseconds(200), longest = std::chrono::microseconds(10000);
       source.pause(std::min(longest, shortest * (1 + pauses++ / 16)));
       continue;
     }
-    if (clock.kept == 0) {
-      std::string who;
-      for (const auto& rank : ranks) {
-        const std::string what = rank->waiting_for();
-        who +=
-            fmt::format("\n  rank {}{}: {}", rank->rank(), rank->rank() == stopped_rank ? " (stopped)" : "",
-                        what.empty() ? "the next frame" : what);
-      }
-      throw RunError("no rank can move and no message on its way can change that:" + who);
+    std::string who;
+    for (const auto& rank : ranks) {
+      const std::string what = rank->waiting_for();
+      who += fmt::format("\n  rank {}{}: {}", rank->rank(), rank->rank() == stopped_rank ? " (stopped)" : "",
+                         what.empty() ? "the next frame" : what);
     }
-    clock.advance();
-    quiet_turns = 0;
+    throw RunError("no rank can move and no message on its way can change that:" + who);
   }
 }
 

@@ -104,7 +104,6 @@ TEST_CASE("hints of refused options work") {
       {"--samples 2", "leave out --samples or use --image-plane slices", ""},
       {"--prefilter", "add --undersample 2", "--prefilter --undersample 2"},
       {"--error-pixels 99", "add --error method", "--error-pixels 99 --error method"},
-      {"--seed 2", "add --shuffle", "--seed 2 --shuffle"},
       {"--mesh 2x2", "add --topology mesh, or leave it out", ""},
       {"--shading none --ambient 0.3", "leave out --ambient or use --shading phong", ""},
       {"--light 0 0 0", "for instance --light -0.4 0.6 0.7", "--light -0.4 0.6 0.7"},

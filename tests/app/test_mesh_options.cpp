@@ -39,9 +39,6 @@ TEST_CASE("meshes that cannot be are refused with a way out") {
   RunOptions colocated = mesh_options(glm::ivec2{2, 2});
   colocated.placement = Placement::colocated;
   refused(colocated, true, 4, "--roles colocated");
-  RunOptions in_step = mesh_options(glm::ivec2{2, 2});
-  in_step.loopback.in_step = true;
-  refused(in_step, true, 6, "--in-step");
 }
 
 TEST_CASE("a mesh's shape is two numbers, or one for both") {

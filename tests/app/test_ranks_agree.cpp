@@ -180,7 +180,8 @@ TEST_CASE("what settled is what was given, in a file or by default, as one text 
   CHECK(value({}, "--zoom") == "1");
   CHECK(value({"--zoom", "1.50"}, "--zoom") == "1.5");
   CHECK(value({"--zoom=+15e-1"}, "--zoom") == "1.5");
-  CHECK(value({"--shuffle", "--seed", "18446744073709551615"}, "--seed") == "18446744073709551615");
+  CHECK(value({"--error", "method", "--error-seed", "18446744073709551615"}, "--error-seed") ==
+        "18446744073709551615");
   CHECK(value({}, "--gps") == "(none)");
   CHECK(value({"--gps", "auto"}, "--gps") == "auto");
   CHECK(value({}, "--annotate") == "false");

@@ -10,6 +10,7 @@
 #include "session/directed_frames.hpp"
 #include "session/render_frames.hpp"
 #include "support/catch.hpp"
+#include "support/lock_step.hpp"
 #include "support/memory_source.hpp"
 #include "support/scenes.hpp"
 
@@ -159,8 +160,7 @@ TEST_CASE("in step, a real frame uses no directed link twice for payloads, and i
       // By step and column: rows of the GPs that send to the left and to the right.
       std::map<std::pair<std::int64_t, int>, std::map<bool, int>> rows;
       int payload_hops = 0;
-      LoopbackOptions loopback{.seed = 1, .reorder = true, .max_delay = 4, .in_step = true};
-      loopback.on_link_use = [&](std::int64_t step, const Link& link, const Header& header) {
+      const auto on_link_use = [&](std::int64_t step, const Link& link, const Header& header) {
         if (header.kind != Kind::payload) return;
         ++payload_hops;
         ++uses[{step, link}];
@@ -168,7 +168,9 @@ TEST_CASE("in step, a real frame uses no directed link twice for payloads, and i
         rows[{step, header.source % mesh.mesh_columns}][token_place(header)->renderer >= mesh.mesh_rows] =
             header.source / mesh.mesh_columns;
       };
-      const FrameResult result = render_loopback(*source, spec, mesh, loopback);
+      LockStep clock;
+      const FrameResult result = render_loopback(
+          *source, spec, mesh, in_step({.seed = 1, .reorder = true, .max_delay = 4}, clock, on_link_use));
       INFO(shape(mesh) << ", azimuth " << azimuth);
       int most = 0;
       for (const auto& [use, count] : uses) most = std::max(most, count);
@@ -182,26 +184,6 @@ TEST_CASE("in step, a real frame uses no directed link twice for payloads, and i
       CHECK(std::uint64_t(payload_hops) == total(result.stats.links).payloads);
       CHECK(result.image == render_loopback(*source, spec, 1, 1).image);
     }
-}
-
-TEST_CASE("in step, a frame begins when the one before it is over") {
-  const auto source = synth_source("jack", make_grid({17, 15, 16}));
-  const Layout mesh = mesh_layout(3, 3, 6);
-  LoopbackOptions loopback{.seed = 3, .reorder = true, .max_delay = 3, .in_step = true};
-  std::int64_t under_way = 0;
-  std::map<std::pair<std::int64_t, Link>, int> uses;
-  loopback.on_link_use = [&](std::int64_t step, const Link& link, const Header& header) {
-    CHECK(header.frame >= under_way);
-    under_way = header.frame;
-    if (header.kind == Kind::payload) CHECK(++uses[{step, link}] == 1);
-  };
-  std::vector<FrameSpec> specs(4, small_view(48));
-  for (std::size_t k = 0; k < specs.size(); ++k) specs[k].shown.camera.azimuth = 90.0 * double(k) + 33;
-  int done = 0;
-  render_directed(*source, {}, mesh, director_of(specs, [&](FrameResult&&) { ++done; }), loopback,
-                  {.frames_in_flight = 3});
-  CHECK(done == 4);
-  CHECK(under_way == 3);
 }
 
 TEST_CASE("the watchdog ends a rank's run and says whom it waits for") {

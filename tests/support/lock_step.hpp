@@ -4,10 +4,11 @@
 #include <map>
 #include <utility>
 
+#include "net/loopback.hpp"
 #include "net/mesh.hpp"
 #include "net/transport.hpp"
 
-namespace ringsplat {
+namespace ringsplat::test {
 
 /// Moves all tokens one GP per step, whatever the delays: the clock that the proof in mesh.hpp assumes, for
 /// runs in one process. The tokens form a train, in the order in which the front slice's owner first uses
@@ -79,4 +80,20 @@ class LockStepTransport final : public TransportDecorator {
   std::list<Kept> kept_;
 };
 
-}  // namespace ringsplat
+/// Runs in step with the clock, of one frame at a time. `on_link_use`: called with every mesh link in use.
+template <class OnLinkUse>
+LoopbackOptions in_step(LoopbackOptions loopback, LockStep& clock, const OnLinkUse& on_link_use) {
+  loopback.between.pace = [&clock](Transport& links) {
+    return std::make_unique<LockStepTransport>(links, clock);
+  };
+  loopback.between.on_link_use = [&clock, on_link_use](const Link& link, const Header& header) {
+    on_link_use(clock.now(), link, header);
+  };
+  loopback.at_standstill = [&clock] {
+    if (clock.kept > 0) clock.advance();
+    return clock.kept > 0;
+  };
+  return loopback;
+}
+
+}  // namespace ringsplat::test
