@@ -51,45 +51,32 @@ void draw_again(Job& job, const std::vector<FrameSpec>& frames, const Gallery& g
 
 }  // namespace
 
-bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, Launch& launch) {
+void keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, Launch& launch) {
   const RenderOptions& o = job.options;
   const auto settings = candidates(frame, o.budget);
-  std::vector<Camera> views;
-  std::optional<std::vector<MeasuredShortcuts>> measured;
-  KeptFile file;  // on rank 0
-  if (launch.rank() == 0) {
-    views = calibration_views(job.cameras, frame, scene.grid);
-    file = kept_file(calibration_kind, calibration_key(o, frame, job.layout, scene.values.histogram, views));
-    measured = read_calibration(file, settings);
-  }
-  const bool known = launch.of_rank_0(measured.has_value());
-  if (!known) {
-    progress.begin("calibrating", 0);
-    const double start = now_seconds();
-    std::unique_ptr<Calibration> calibration;
-    launch.check_on_rank_0(
-        [&] { calibration = std::make_unique<Calibration>(frame, views, settings, o.volume, o.error); });
-    ProtocolOptions protocol = o.run.protocol;
-    protocol.frames_in_flight = 1;
-    render_all(job, protocol, std::move(scene), calibration ? calibration->director() : Director{}, launch);
-    progress.end();
-    if (calibration) {
-      measured = calibration->measured();
-      progress.print(fmt::format("calibrated {} settings on {} views: {} frames in {:.1f} s", settings.size(),
-                                 views.size(), calibration->frames(), now_seconds() - start));
-      write_calibration(file, *measured);
-    }
-  }
+  progress.begin("calibrating", 0);
+  const double start = now_seconds();
+  std::unique_ptr<Calibration> calibration;  // on rank 0
   launch.check_on_rank_0([&] {
-    const MeasuredShortcuts chosen = choose(*measured, o.budget, frame);
+    calibration = std::make_unique<Calibration>(frame, calibration_views(job.cameras, frame, scene.grid),
+                                                settings, o.volume, o.error);
+  });
+  ProtocolOptions protocol = o.run.protocol;
+  protocol.frames_in_flight = 1;
+  render_all(job, protocol, std::move(scene), calibration ? calibration->director() : Director{}, launch);
+  progress.end();
+  launch.check_on_rank_0([&] {
+    job.measured = calibration->measured();
+    progress.print(fmt::format("calibrated {} settings: {} frames in {:.1f} s", settings.size(),
+                               calibration->frames(), now_seconds() - start));
+    const MeasuredShortcuts chosen = choose(job.measured, o.budget, frame);
     frame = with(frame, chosen.shortcuts);
     progress.print(fmt::format(
         "{}: {:.3g}/255 rms (95 %: up to {:.3g}), {:.4f} s a frame; the most exact setting {:.4f} s",
         to_text(chosen.shortcuts), chosen.rmse, chosen.rmse_high, chosen.seconds,
-        (*measured)[most_exact(*measured)].seconds));
-    job.measured = std::move(*measured);
+        job.measured[most_exact(job.measured)].seconds));
   });
-  return !known;
+  scene = reload(job, progress, launch);
 }
 
 bool hold_budget(Job& job, const Gallery& gallery, Progress& progress, Launch& launch) {

@@ -219,8 +219,7 @@ FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launc
           "{} covers nothing of the volume, or one value alone; hint: ringsplat info says where both lie",
           printable(mask.path));
   }
-  if (o.budget.max_error && keep_budget(job, scene, frame, progress, launch))
-    scene = reload(job, progress, launch);
+  if (o.budget.max_error) keep_budget(job, scene, frame, progress, launch);
   const Histogram& without_outliers = scene.values.histogram;
   warn_of_errors(o, frame, {without_outliers.low, without_outliers.high}, progress, launch);
   return frame;

@@ -135,9 +135,9 @@ Director director_of(const Job& job, std::size_t volume, const std::vector<Frame
                      std::function<void(FrameResult&&)> take);
 
 /// Changes `frame` (on rank 0, which announces frames) to the cheapest setting that keeps the job's budget,
-/// by the stored calibration or a new one. Returns true when it rendered with `scene`, which is then used up
-/// and must be loaded again. Throws InputError when no setting keeps the budget.
-bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, Launch& launch);
+/// as measured at some of its views. Loads the scene again. Throws InputError when no setting keeps the
+/// budget.
+void keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, Launch& launch);
 
 /// The pictures of a run, on rank 0.
 struct Gallery {

@@ -2,21 +2,27 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "base/clock.hpp"
 #include "base/log.hpp"
+#include "base/output_file.hpp"
 #include "base/process.hpp"
 #include "forecast/forecast.hpp"
 #include "options/options.hpp"
-#include "program/kept_measurements.hpp"
+#include "program/launch.hpp"
 #include "session/render_frames.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::app {
 namespace {
 
+namespace fs = std::filesystem;
 using nlohmann::json;
 
 /// Seconds, or how often the usual ones.
@@ -110,36 +116,78 @@ Spent measured_ratio(const Method& how) {
   return {here.gp / usual.gp, here.renderer / usual.renderer};
 }
 
-/// Of both methods; of this build on this host it is measured once.
-std::pair<Spent, Spent> known_speed() {
-  const KeptFile file = kept_file("machine", json{{"program", this_program()}, {"host", host_name()}}.dump(
-                                                 -1, ' ', false, json::error_handler_t::replace));
-  std::array<double, 4> speed{};
-  const auto take = [&speed](const json& kept) {
-    kept.get_to(speed);
-    if (!std::all_of(speed.begin(), speed.end(), [](double n) { return n > 0 && n < 1e6; }))
-      throw std::domain_error("a measurement in it is impossible");
-  };
-  if (!read_kept(file, take)) {
-    log_info("measuring what a core of this machine does");
-    const Spent splats = measured_ratio(Splats{}), sheets = measured_ratio(sheets_of(usual_quality));
-    speed = {splats.gp, splats.renderer, sheets.gp, sheets.renderer};
-    write_kept(file, speed);
-  }
-  return {{speed[0], speed[1]}, {speed[2], speed[3]}};
+/// What GPs and Renderers spend on splats, then on sheets.
+using Speed = std::array<double, 4>;
+
+/// Identifies this build, as one version may be built more than once, on this host.
+json build_and_host() {
+  const fs::path program = "/proc/self/exe";
+  std::error_code ignored;  // zeros when it cannot be read
+  const json build{{"bytes", fs::file_size(program, ignored)},
+                   {"changed", fs::last_write_time(program, ignored).time_since_epoch().count()},
+                   {"version", build_id()}};
+  return {{"program", build}, {"host", host_name()}};
+}
+
+std::string text_of(const json& key) { return key.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+/// In the user's cache folder (XDG base directory specification, which says to ignore a relative
+/// XDG_CACHE_HOME); empty without a home folder.
+fs::path file_for(const json& key) {
+  const char *const cache = std::getenv("XDG_CACHE_HOME"), *const home = std::getenv("HOME");
+  const bool has_cache = cache != nullptr && fs::path(cache).is_absolute();
+  if (!has_cache && (home == nullptr || *home == '\0')) return {};
+  const fs::path folder = has_cache ? fs::path(cache) : fs::path(home) / ".cache";
+  return folder / "ringsplat" / fmt::format("machine-{:016x}.json", std::hash<std::string>{}(text_of(key)));
+}
+
+/// Nothing when there is no such file, or when it cannot be understood, of which it warns.
+std::optional<Speed> kept_speed(const fs::path& file, const json& key) try {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) return {};
+  const json stored = json::parse(in);
+  if (stored.at("key") != json::parse(text_of(key))) throw std::domain_error("it is of something else");
+  const auto speed = stored.at("measured").get<Speed>();
+  if (!std::ranges::all_of(speed, [](double n) { return n > 0 && n < 1e6; }))
+    throw std::domain_error("a measurement in it is impossible");
+  return speed;
+} catch (const std::exception& e) {
+  log_warning("the machine {} cannot be used and is measured again: {}", file.string(), e.what());
+  return {};
+}
+
+/// Only warns on failure: the next run then measures again.
+void keep(const fs::path& file, const json& key, const Speed& speed) try {
+  if (file.empty()) return;
+  fs::create_directories(file.parent_path());
+  write_text(file, json{{"key", json::parse(text_of(key))}, {"measured", speed}}.dump(1) + "\n");
+} catch (const std::exception& e) {
+  log_warning("the machine cannot be kept for the next run: {}; hint: XDG_CACHE_HOME says where", e.what());
+}
+
+/// Of this build on this host it is measured once.
+Speed known_speed() {
+  const json key = build_and_host();
+  const fs::path file = file_for(key);
+  if (const auto kept = kept_speed(file, key)) return *kept;
+  log_info("measuring what a core of this machine does");
+  const Spent splats = measured_ratio(Splats{}), sheets = measured_ratio(sheets_of(usual_quality));
+  const Speed speed{splats.gp, splats.renderer, sheets.gp, sheets.renderer};
+  keep(file, key, speed);
+  return speed;
 }
 
 }  // namespace
 
 Machine this_machine(int hosts, int cores) {
-  const auto [splats, sheets] = known_speed();
+  const auto [splat_gp, splat_renderer, sheet_gp, sheet_renderer] = known_speed();
   Machine m = usual_machine();
-  for (double* cost : {&m.gp.visible_voxel, &m.gp.transparent_voxel}) *cost *= splats.gp;
+  for (double* cost : {&m.gp.visible_voxel, &m.gp.transparent_voxel}) *cost *= splat_gp;
   for (double* cost : {&m.renderer.splat, &m.renderer.slice, &m.renderer.composite, &m.renderer.pixel})
-    *cost *= splats.renderer;
-  for (double* cost : {&m.sheets.look, &m.sheets.copy}) *cost *= sheets.gp;
+    *cost *= splat_renderer;
+  for (double* cost : {&m.sheets.look, &m.sheets.copy}) *cost *= sheet_gp;
   for (double* cost : {&m.sheets.place, &m.sheets.slice, &m.sheets.sample, &m.sheets.table})
-    *cost *= sheets.renderer;
+    *cost *= sheet_renderer;
   m.platform.hosts = hosts;
   m.platform.cores = cores;
   return m;

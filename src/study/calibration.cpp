@@ -1,10 +1,7 @@
 #include "study/calibration.hpp"
 
-#include <nlohmann/json.hpp>
-
 #include "base/clock.hpp"
 #include "base/median.hpp"
-#include "frame/frame_spec_bytes.hpp"
 
 namespace ringsplat::app {
 
@@ -37,7 +34,7 @@ Calibration::Calibration(const FrameSpec& reference, std::vector<Camera> views,
       settings_(std::move(settings)),
       error_(error),
       scene_(read_whole(*open_volume(volume)).scene),
-      measurements_(frames_a_pass()) {}
+      measurements_(views_.size() * settings_.size()) {}
 
 Director Calibration::director() {
   return {[this] { return next_frame(); }, [this](FrameResult&& result) { take(std::move(result)); }};
@@ -58,15 +55,15 @@ std::optional<FrameSpec> Calibration::next_frame() {
     evaluate_truths();
     started_ = now_seconds();
   }
-  constexpr std::size_t most_passes = 5;
-  constexpr double patience = 10;  // seconds after which no further pass is begun
+  constexpr std::size_t most_passes = 3;
+  constexpr double patience = 5;  // seconds after which no further pass is begun
   const std::size_t at = asked - first_measured();
   const std::size_t pass = at / frames_a_pass(), in_pass = at % frames_a_pass();
   if (in_pass == 0 && pass > 0 && (pass == most_passes || now_seconds() - started_ > patience))
     return std::nullopt;
   ++frames_asked_;
-  FrameSpec frame = with(reference_, settings_[in_pass % settings_.size()]);
-  frame.shown.camera = views_[in_pass / settings_.size()];
+  FrameSpec frame = with(reference_, settings_[in_pass / 2 % settings_.size()]);
+  frame.shown.camera = views_[in_pass / 2 / settings_.size()];
   return frame;
 }
 
@@ -86,9 +83,10 @@ void Calibration::take(FrameResult&& result) {
   if (frame < views_.size()) pictures_.push_back(std::move(result.image));
   if (frame < first_measured()) return;
   const std::size_t in_pass = (frame - first_measured()) % frames_a_pass();
-  Measurements& m = measurements_[in_pass];
+  Measurements& m = measurements_[in_pass / 2];
+  if (in_pass % 2 == 0) return;
   if (m.seconds.empty()) {
-    const SampledTruth& truth = truths_[in_pass / settings_.size()];
+    const SampledTruth& truth = truths_[in_pass / 2 / settings_.size()];
     m.error = truth::sampled_error(result.image, truth.sample, truth.colours);
   }
   m.seconds.push_back(result.stats.seconds);
@@ -107,86 +105,6 @@ std::vector<MeasuredShortcuts> Calibration::measured() const {
     all.push_back(sum);
   }
   return all;
-}
-
-using nlohmann::json;
-
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(MeasuredShortcuts, seconds, rmse, rmse_high)
-
-namespace {
-
-json views_json(const FrameSpec& reference, const std::vector<Camera>& views) {
-  json all = json::array();
-  for (const FrameSpec& frame : frames_of(reference, views))
-    all.push_back(json::parse(to_json_text(frame)).at("camera"));
-  return all;
-}
-
-json layout_json(const RunOptions& run, const Layout& layout) {
-  return {{"gps", layout.gps},
-          {"renderers", layout.renderers},
-          {"colocated", layout.placement == Placement::colocated},
-          {"bundle", layout.bundle},
-          {"mesh", {layout.mesh_columns, layout.mesh_rows, layout.routed()}},
-          {"slots", run.protocol.slots},
-          {"link_slots", run.protocol.link_slots},
-          {"look_ahead", run.protocol.look_ahead},
-          {"send_ahead", run.protocol.send_ahead},
-          {"threads_per_rank", run.engine.threads_per_rank}};
-}
-
-/// Throws json::exception or std::domain_error when `rows` is no calibration.
-std::vector<MeasuredShortcuts> measurements(const json& rows, const std::vector<Shortcuts>& settings) {
-  if (rows.size() != settings.size()) throw std::domain_error("it has not one measurement for each setting");
-  std::vector<MeasuredShortcuts> all;
-  for (std::size_t k = 0; k < settings.size(); ++k) {
-    const json& row = rows.at(k);
-    auto m = row.get<MeasuredShortcuts>();
-    m.shortcuts = settings[k];
-    if (row.at("setting") != to_text(settings[k])) throw std::domain_error("its settings are others");
-    if (!(m.seconds > 0 && m.rmse >= 0 && m.rmse_high >= m.rmse))
-      throw std::domain_error("a measurement in it is impossible");
-    all.push_back(m);
-  }
-  return all;
-}
-
-}  // namespace
-
-std::string calibration_key(const RenderOptions& o, const FrameSpec& reference, const Layout& layout,
-                            const Histogram& histogram, const std::vector<Camera>& views) {
-  json frame = json::parse(to_json_text(reference));
-  frame.erase("camera");
-  frame.erase("frame");
-  const std::string counts = json(histogram.counts).dump();
-  return json{{"program", this_program()},
-              {"volume", identity_of(o.volume.path)},
-              {"segmentation", identity_of(o.volume.mask.path)},
-              {"values", {histogram.low, histogram.high, std::hash<std::string>{}(counts)}},
-              {"frame", frame},
-              {"views", views_json(reference, views)},
-              {"fixed", o.budget.fixed},
-              {"truth", name(calibrating_truth(o.error))},
-              {"layout", layout_json(o.run, layout)},
-              {"pixels", o.error.pixels},
-              {"seed", o.error.seed}}
-      .dump(-1, ' ', false, json::error_handler_t::replace);
-}
-
-std::optional<std::vector<MeasuredShortcuts>> read_calibration(const KeptFile& file,
-                                                               const std::vector<Shortcuts>& settings) {
-  std::optional<std::vector<MeasuredShortcuts>> measured;
-  read_kept(file, [&](const json& rows) { measured = measurements(rows, settings); });
-  return measured;
-}
-
-void write_calibration(const KeptFile& file, const std::vector<MeasuredShortcuts>& measured) {
-  json rows = json::array();
-  for (const auto& m : measured) {
-    rows.push_back(m);
-    rows.back()["setting"] = to_text(m.shortcuts);
-  }
-  write_kept(file, rows);
 }
 
 }  // namespace ringsplat::app

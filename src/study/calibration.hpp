@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "options/options.hpp"
-#include "program/kept_measurements.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "session/render_frames.hpp"
 #include "study/error_budget.hpp"
@@ -17,7 +16,7 @@ std::vector<Camera> calibration_views(const std::vector<Camera>& run, FrameSpec 
 
 /// Measures time and error of each setting. It renders every view once to choose the pixels at which to
 /// evaluate the truth (`error.truth`: the reference's method's unless it says another), then every view with
-/// each setting in turn: as often as some seconds allow, at most five times. Rank 0 only.
+/// each setting in turn: as often as some seconds allow, at most three times. Rank 0 only.
 class Calibration {
  public:
   /// Reads the volume. Throws InputError as read_whole does.
@@ -37,7 +36,8 @@ class Calibration {
     truth::SampledError error;
   };
 
-  std::size_t frames_a_pass() const { return views_.size() * settings_.size(); }
+  /// Each setting draws a view twice: at first it makes what it needs of the slices.
+  std::size_t frames_a_pass() const { return 2 * views_.size() * settings_.size(); }
   /// The frames before the first measured one: each view as the reference, and the first view once more.
   std::size_t first_measured() const { return views_.size() + 1; }
   std::optional<FrameSpec> next_frame();
@@ -55,21 +55,5 @@ class Calibration {
   std::size_t frames_asked_ = 0, frames_done_ = 0;
   double started_ = 0;
 };
-
-/// All that a calibration depends on, as JSON text: the program, the volume's file (absolute path, size, time
-/// of its last change) and values (histogram), the frame without its view, the views measured, the truth, the
-/// choice, the layout and the sample of pixels.
-std::string calibration_key(const RenderOptions& options, const FrameSpec& reference, const Layout& layout,
-                            const Histogram& histogram, const std::vector<Camera>& views);
-
-/// What is kept, in a word (program/kept_measurements.hpp).
-inline constexpr const char* calibration_kind = "calibration";
-
-/// A measurement for each of `settings`, in their order. Nothing when there is no such file; warns when it
-/// cannot be understood.
-std::optional<std::vector<MeasuredShortcuts>> read_calibration(const KeptFile& file,
-                                                               const std::vector<Shortcuts>& settings);
-
-void write_calibration(const KeptFile& file, const std::vector<MeasuredShortcuts>& measured);
 
 }  // namespace ringsplat::app

@@ -11,47 +11,34 @@
 namespace ringsplat::app {
 namespace {
 
-constexpr double opaque_thresholds[] = {0, 1.0 / 512, 1.0 / 128, 1.0 / 32};
-constexpr double samples_to_choose_from[] = {2, 1.5, 1};
-/// More than these are below what light points err, and in the slices' plane below what the warp errs.
-constexpr int exact_slabs = 4, slabs_in_slices_plane = 2;
+constexpr Sheets on_screen(int slabs, int light_points) {
+  return {.slabs = slabs, .light_points = light_points};
+}
+constexpr Sheets in_plane(double samples, int slabs, int light_points) {
+  return {.image_plane = ImagePlane::slices,
+          .plane_samples = samples,
+          .slabs = slabs,
+          .light_points = light_points};
+}
+/// From the most exact to the fastest. Each was the fastest within some budget, of 64 combinations, or nearly
+/// so (docs/measured/accuracy.md, "Error budgets").
+constexpr Shortcuts ladder[] = {{0, on_screen(4, 2)},
+                                {1.0 / 512, on_screen(4, 2)},
+                                {1.0 / 512, on_screen(3, 2)},
+                                {1.0 / 512, on_screen(2, 2)},
+                                {1.0 / 128, on_screen(2, 2)},
+                                {1.0 / 512, in_plane(2, 2, 2)},
+                                {1.0 / 512, in_plane(1.5, 2, 2)},
+                                {1.0 / 128, in_plane(1, 2, 2)},
+                                {1.0 / 128, in_plane(1.5, 1, 1)},
+                                {1.0 / 512, in_plane(1, 1, 1)},
+                                {1.0 / 128, in_plane(1, 1, 1)},
+                                {1.0 / 32, in_plane(1, 1, 1)},
+                                {1.0 / 128, in_plane(1, 1, 1), 2},
+                                {1.0 / 128, in_plane(1, 1, 1), 4}};
+constexpr int exact_slabs = 4;
 
 constexpr double same_time = 1.03;
-
-/// `how` as it is, then with two slabs, with one light point, and with one slab. Only the field's truth has
-/// an error that more slabs lessen; and only on the screen, as a warp errs more.
-std::vector<Sheets> fewer_slabs(const Sheets& how, const Shown& shown, const ErrorBudgetOptions& o) {
-  std::vector<Sheets> all{how};
-  const auto add = [&](int slabs, int light_points) {
-    Sheets other = how;
-    if (!o.fixed.contains("--slabs")) other.slabs = slabs;
-    if (!o.fixed.contains("--light-points") && shown.shading == Shading::phong)
-      other.light_points = light_points;
-    if (std::find(all.begin(), all.end(), other) == all.end()) all.push_back(other);
-  };
-  if (o.to_field && how.image_plane == ImagePlane::screen)
-    add(std::max(exact_slabs, how.slabs), how.light_points);
-  constexpr int few = 2;
-  add(std::min(few, how.slabs), how.light_points);
-  add(std::min(few, how.slabs), 1);
-  add(1, 1);
-  return all;
-}
-
-/// `how` as it is and with other slabs, also in coarser planes; the coarsest comes last.
-std::vector<Sheets> shapes(const Sheets& how, const Shown& shown, const ErrorBudgetOptions& o) {
-  std::vector<Sheets> all = fewer_slabs(how, shown, o);
-  for (const double samples : samples_to_choose_from) {
-    if (o.fixed.contains("--image-plane")) break;
-    Sheets flat = how;
-    flat.image_plane = ImagePlane::slices;
-    flat.plane_samples = samples;
-    if (!o.fixed.contains("--slabs")) flat.slabs = std::min(slabs_in_slices_plane, how.slabs);
-    for (const Sheets& s : fewer_slabs(flat, shown, o))
-      if (std::find(all.begin(), all.end(), s) == all.end()) all.push_back(s);
-  }
-  return all;
-}
 
 truth::Rgba colour_of(const float* pixel) { return {pixel[0], pixel[1], pixel[2], pixel[3]}; }
 
@@ -158,17 +145,25 @@ std::string to_text(const Shortcuts& s) {
 }
 
 std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& o) {
-  std::vector<double> thresholds{frame.shown.opaque_threshold};
-  if (!o.fixed.contains("--opaque-threshold"))
-    thresholds.assign(std::begin(opaque_thresholds), std::end(opaque_thresholds));
-  std::vector<Shortcuts> all;
-  const auto add = [&](const Sheets& how, int undersample) {
-    for (const double threshold : thresholds) all.push_back({threshold, how, undersample});
-  };
-  const std::vector<Sheets> some = shapes(frame.as<Sheets>(), frame.shown, o);
-  for (const Sheets& how : some) add(how, frame.shown.reduction.factor);
-  for (const int factor : undersampling)
-    if (factor > 1 && !o.fixed.contains("--undersample")) add(some.back(), factor);
+  const Sheets& asked = frame.as<Sheets>();
+  const auto fixed = [&o](const char* option) { return o.fixed.contains(option); };
+  // More slabs than asked for are nearer to the field, though not to the method.
+  const int most_slabs = o.to_field ? std::max(exact_slabs, asked.slabs) : asked.slabs;
+  const double threshold = frame.shown.opaque_threshold;
+  std::vector<Shortcuts> all{
+      {fixed("--opaque-threshold") ? threshold : 0, asked, frame.shown.reduction.factor}};
+  for (const Shortcuts& rung : ladder) {
+    Shortcuts s{fixed("--opaque-threshold") ? threshold : rung.opaque_threshold, asked,
+                fixed("--undersample") ? all.front().undersample : rung.undersample};
+    if (!fixed("--slabs")) s.how.slabs = std::min(rung.how.slabs, most_slabs);
+    if (!fixed("--light-points") && frame.shown.shading == Shading::phong)
+      s.how.light_points = rung.how.light_points;
+    if (!fixed("--image-plane")) {
+      s.how.image_plane = rung.how.image_plane;
+      s.how.plane_samples = rung.how.plane_samples;
+    }
+    if (std::ranges::find(all, s) == all.end()) all.push_back(s);
+  }
   return all;
 }
 

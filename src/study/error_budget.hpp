@@ -31,7 +31,7 @@ inline constexpr std::array undersampling{1, 2, 4};
 /// The command-line options that set these shortcuts.
 std::string to_text(const Shortcuts& shortcuts);
 
-/// All combinations to choose from, as it was asked for first. Settings that the user has fixed stay as in
+/// What to choose from, as it was asked for first. Settings that the user has fixed stay as in
 /// `frame`, which must be of sheets: splats seldom keep a budget in less time (docs/measured/accuracy.md,
 /// "Error budgets").
 std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& options);

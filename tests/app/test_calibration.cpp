@@ -126,8 +126,8 @@ TEST_CASE("a setting counts by its worst view, and its time is the mean of the v
   const auto measured = bench.measure([](bool coarse, bool oblique, int n, FrameResult& result) {
     const float error = (coarse ? 8.0F : 1.0F) * (oblique ? 1.0F : 0.25F) / 255;
     std::fill(result.image.rgba.begin(), result.image.rgba.end(), error);
-    const double seconds[] = {900, 4, 2, 3, 1};  // the median is 3
-    result.stats.seconds = seconds[n % 5] * (coarse ? 1 : 10) * (oblique ? 3 : 1);
+    const double seconds[] = {900, 3, 2, 4};  // the median of three is 3
+    result.stats.seconds = seconds[n / 2 % 4] * (coarse ? 1 : 10) * (oblique ? 3 : 1);
   });
   REQUIRE(measured.size() == 2);
   CHECK(measured[0].shortcuts.undersample == 1);
@@ -161,51 +161,4 @@ TEST_CASE("a setting's error has an upper end above what its sample says, the wo
   const double between = 0.5 * (measured[1].rmse + measured[1].rmse_high);
   CHECK_FALSE(cheapest_within(std::span(measured).subspan(1), between).has_value());
   CHECK(cheapest_within(std::span(measured).subspan(1), measured[1].rmse_high) == 0);
-}
-
-TEST_CASE("a calibration's key holds all that its measurements depend on") {
-  struct Asked {
-    RenderOptions options;
-    FrameSpec reference{.how = Splats{}};
-    Layout layout{2, 3};
-    Histogram values{0, 1, 4};
-    std::vector<Camera> views{{.azimuth = 10}, {.azimuth = 50}};
-    std::string key() const { return calibration_key(options, reference, layout, values, views); }
-  };
-  Asked asked;
-  asked.reference.shown.transfer_function = constant_opacity(0.5);
-  const std::string key = asked.key();
-  const std::vector<std::pair<const char*, std::function<void(Asked&)>>> changes{
-      {"width", [](Asked& a) { ++a.reference.shown.width; }},
-      {"transfer function", [](Asked& a) { a.reference.shown.transfer_function = constant_opacity(0.4); }},
-      {"slabs", [](Asked& a) { a.reference.how = Sheets{.slabs = 1}; }},
-      {"light", [](Asked& a) { a.reference.shown.light.x = 0.3; }},
-      {"volume", [](Asked& a) { a.options.volume.path = "another.nrrd"; }},
-      {"values' range", [](Asked& a) { a.values.high = 2; }},
-      {"values", [](Asked& a) { ++a.values.counts[2]; }},
-      {"views", [](Asked& a) { a.views[1].azimuth = 51; }},
-      {"number of views", [](Asked& a) { a.views.pop_back(); }},
-      {"truth", [](Asked& a) { a.options.error.truth = TruthKind::field; }},
-      {"fixed slabs", [](Asked& a) { a.options.budget.fixed = {"--slabs"}; }},
-      {"fixed light points", [](Asked& a) { a.options.budget.fixed = {"--light-points"}; }},
-      {"GPs", [](Asked& a) { ++a.layout.gps; }},
-      {"Renderers", [](Asked& a) { ++a.layout.renderers; }},
-      {"colocated", [](Asked& a) { a.layout.placement = Placement::colocated; }},
-      {"bundle", [](Asked& a) { ++a.layout.bundle; }},
-      {"slots", [](Asked& a) { ++a.options.run.protocol.slots; }},
-      {"look-ahead", [](Asked& a) { ++a.options.run.protocol.look_ahead; }},
-      {"send-ahead", [](Asked& a) { ++a.options.run.protocol.send_ahead; }},
-      {"threads", [](Asked& a) { ++a.options.run.engine.threads_per_rank; }},
-      {"pixels", [](Asked& a) { ++a.options.error.pixels; }},
-      {"seed", [](Asked& a) { ++a.options.error.seed; }}};
-  for (const auto& [what, change] : changes) {
-    INFO(what);
-    Asked changed = asked;
-    change(changed);
-    CHECK(changed.key() != key);
-  }
-  Asked later = asked;  // the frame's number and view do not matter
-  later.reference.frame = 7;
-  later.reference.shown.camera.azimuth = 77;
-  CHECK(later.key() == key);
 }

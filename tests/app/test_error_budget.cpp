@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <regex>
 #include <set>
 
 #include "app/workshop.hpp"
@@ -34,39 +35,25 @@ MeasuredShortcuts measured(int slabs, double seconds, double rmse_high) {
   return {{0, Sheets{.slabs = slabs}}, seconds, 0.9 * rmse_high, rmse_high};
 }
 
-/// Holds the volume and the cache of its runs in a folder that is removed with it.
+/// Holds the volume and its pictures in a folder that is removed with it.
 class Workshop {
  public:
-  explicit Workshop(const std::string& volume = "gaussians") {
-    setenv("XDG_CACHE_HOME", cache().c_str(), 1);
-    REQUIRE(run_program({"synth", volume, "--dims", "24x24x24", "-o", this->volume()}).code == 0);
+  explicit Workshop(const std::string& volume = "gaussians", const std::string& dims = "24") {
+    REQUIRE(run_program({"synth", volume, "--dims", dims, "-o", this->volume()}).code == 0);
   }
-  ~Workshop() { unsetenv("XDG_CACHE_HOME"); }
   std::string operator/(const std::string& name) const { return folder_ / name; }
   std::string volume() const { return folder_ / "volume.nrrd"; }
-  std::string cache() const { return folder_ / "cache"; }
-  fs::path calibration() const { return *fs::directory_iterator(cache() + "/ringsplat"); }
-  std::size_t calibrations() const { return app_test::files_in(cache() + "/ringsplat"); }
 
   Ended render(const Words& more, int ranks = 0) const {
     Words all{"render", volume(), "-o", folder_ / "x.exr", "--stats", stats()};
-    const Words usual{"--size", "64x48",     "--tf", "grey",        "--shading",
-                      "none",   "--azimuth", "20",   "--elevation", "10"};
+    const auto given = [&more](const std::string& word) { return std::ranges::count(more, word) > 0; };
+    Words usual{"--size", "64x48", "--tf", "grey", "--shading", "none"};
+    if (!given("--path")) usual = joined(usual, {"--azimuth", "20", "--elevation", "10"});
     for (std::size_t k = 0; k < usual.size(); k += 2)
-      if (std::find(more.begin(), more.end(), usual[k]) == more.end())
-        all.insert(all.end(), {usual[k], usual[k + 1]});
+      if (!given(usual[k])) all.insert(all.end(), {usual[k], usual[k + 1]});
     return run_program(joined(all, more), ranks);
   }
   std::string stats() const { return folder_ / "stats.json"; }
-  /// Writes into the stored calibration that the last setting with these words takes no time and errs so.
-  void falsify(const std::string& words, double rmse) const {
-    json stored = json::parse(read_text(calibration()));
-    json& last = stored["measured"].back();
-    REQUIRE_THAT(last.at("setting").get<std::string>(), Catch::Matchers::Contains(words));
-    last["seconds"] = 1e-9;
-    last["rmse"] = last["rmse_high"] = rmse;
-    app_test::write_text(calibration(), stored.dump());
-  }
   json frame() const { return json::parse(read_text(stats())).at(0); }
 
  private:
@@ -80,8 +67,6 @@ std::string without_progress(const std::string& err) {
     if (!line.ends_with(" s so far") && !line.ends_with(" s left")) rest += line + "\n";
   return rest;
 }
-
-bool calibrated(const Ended& ended) { return !lines_with(ended.out, "calibrated").empty(); }
 
 }  // namespace
 
@@ -175,11 +160,10 @@ TEST_CASE("sheets are chosen among by slabs, light points and planes") {
   ErrorBudgetOptions options;
   const auto all = candidates(frame, options);
   CHECK(all.front() == Shortcuts{0, Sheets{}});
-  // Four kinds of slabs on the screen, three in each of three planes, and two levels in the coarsest.
-  CHECK(all.size() == 4 * (4 + 3 * 3 + 2));
+  CHECK(all.size() == 13);
   CHECK(all.back() ==
         Shortcuts{
-            1.0 / 32,
+            1.0 / 128,
             Sheets{.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 1, .light_points = 1}, 4});
   const auto most = [](const std::vector<Shortcuts>& some) {
     int slabs = 0;
@@ -213,29 +197,7 @@ TEST_CASE("a setting's text is the options that make it, and each setting has it
     texts.insert(to_text(s));
     CHECK_NOTHROW(check(with(frame, s)));
   }
-  CHECK(texts.size() == all.size());  // a stored calibration tells them apart
-}
-
-TEST_CASE("a calibration is read back for its own key and settings only") {
-  const TemporaryFolder folder;
-  const fs::path path = folder / "new/calibration.json";
-  const KeptFile file{calibration_kind, R"({"a": 1})", path}, other{calibration_kind, R"({"a": 2})", path};
-  const std::vector table{measured(4, 4.0, 0.01), measured(3, 3.0, 0.5)};
-  const std::vector settings{table[0].shortcuts, table[1].shortcuts};
-  CHECK_FALSE(read_calibration(file, settings).has_value());
-  write_calibration(file, table);
-  CHECK(app_test::files_in(path.parent_path()) == 1);
-  const auto back = read_calibration(file, settings);
-  REQUIRE(back.has_value());
-  for (std::size_t k = 0; k < 2; ++k) {
-    CHECK((*back)[k].shortcuts == table[k].shortcuts);
-    CHECK((*back)[k].seconds == table[k].seconds);
-    CHECK((*back)[k].rmse == table[k].rmse);
-    CHECK((*back)[k].rmse_high == table[k].rmse_high);
-  }
-  CHECK_FALSE(read_calibration(other, settings).has_value());
-  CHECK_FALSE(read_calibration(file, {settings[1], settings[0]}).has_value());
-  CHECK_FALSE(read_calibration(file, {settings[0]}).has_value());
+  CHECK(texts.size() == all.size());
 }
 
 TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", "[mpi]") {
@@ -250,9 +212,7 @@ TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", 
     CHECK(error.at("truth") == "method");
     CHECK(error.at("rmse").get<double>() <= budget);
     CHECK(error.at("rmse").get<double>() > 0);
-    CHECK(calibrated(ended) == (budget == 5.0));  // one calibration serves every budget
   }
-  CHECK(w.calibrations() == 1);
   // The tightest leaves no coarser plane.
   CHECK(w.frame().at("settings").at("image_plane") == "screen");
   CHECK(w.frame().at("settings").at("undersample") == 1);
@@ -261,11 +221,10 @@ TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", 
 TEST_CASE("a budget against the field is another one than against the method", "[mpi]") {
   const Workshop w;
   const Words method{"--max-error", "2", "--image-plane", "screen", "--opaque-threshold", "0"};
-  REQUIRE(calibrated(w.render(method)));
+  succeeded(w.render(method));
   CHECK(w.frame().at("error").at("truth") == "method");
   Words field = joined(method, {"--error", "field"});
-  const Ended ended = succeeded(w.render(field));
-  CHECK(calibrated(ended));
+  succeeded(w.render(field));
   CHECK(w.frame().at("error").at("truth") == "field");
   CHECK(w.frame().at("error").at("rmse").get<double>() <= 2);
 }
@@ -305,15 +264,10 @@ TEST_CASE("what the user gives is kept, and the error is against what the user a
   CHECK(w.frame().at("error").at("rmse").get<double>() < 0.5);
 }
 
-TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi]") {
+TEST_CASE("ranks agree on a budget's choice, for all pictures", "[mpi]") {
   const Workshop w("shell");
-  const auto run = [&](const char* gps, int ranks) {
-    return w.render(
-        {"--max-error", "1", "--tf", "mr-surface", "--shading", "phong", "--orbit", "3", "--gps", gps},
-        ranks);
-  };
-  const Ended first = succeeded(run("2", 3));
-  CHECK(calibrated(first));
+  succeeded(w.render(
+      {"--max-error", "1", "--tf", "mr-surface", "--shading", "phong", "--orbit", "3", "--gps", "2"}, 3));
   const json frames = json::parse(read_text(w.stats()));
   REQUIRE(frames.size() == 3);
   CHECK(frames[0].at("layout").at("ranks") == 3);
@@ -321,100 +275,70 @@ TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi]
     CHECK(frame.at("settings").at("slabs") == frames[0].at("settings").at("slabs"));
     CHECK(frame.at("error").at("rmse").get<double>() <= 1);
   }
-  const std::string picture = read_text(w / "x-0001.exr");
-  const Ended second = succeeded(run("2", 3));
-  CHECK_FALSE(calibrated(second));
-  CHECK((read_text(w / "x-0001.exr") == picture));
-  // Other ranks have other costs.
-  CHECK(calibrated(run("1", 2)));
-  CHECK(w.calibrations() == 2);
-}
-
-TEST_CASE("another volume under the same name, or other colours, are calibrated anew", "[mpi]") {
-  const Workshop w;
-  REQUIRE(calibrated(w.render({"--max-error", "1"})));
-  CHECK(calibrated(w.render({"--max-error", "1", "--tf", "mr-soft"})));
-  CHECK_FALSE(calibrated(w.render({"--max-error", "1"})));
-  REQUIRE(run_program({"synth", "ball", "--dims", "24x24x24", "-o", w.volume()}).code == 0);
-  CHECK(calibrated(w.render({"--max-error", "1"})));
-}
-
-TEST_CASE("a calibration that is damaged is made again, with a warning", "[mpi]") {
-  const Workshop w;
-  REQUIRE(w.render({"--max-error", "1"}).code == 0);
-  const fs::path file = w.calibration();
-  const std::string good = read_text(file);
-  json wrong = json::parse(good);
-  wrong["measured"][3]["seconds"] = -1;
-  for (const std::string& damaged :
-       {good.substr(0, good.size() / 2), std::string(), std::string("[]"), wrong.dump()}) {
-    app_test::write_text(file, damaged);
-    const Ended ended = w.render({"--max-error", "1"});
-    INFO(ended.err);
-    CHECK(ended.code == 0);
-    CHECK(calibrated(ended));
-    REQUIRE(lines_with(ended.err, "warning:").size() == 1);
-    CHECK_THAT(ended.err, Catch::Matchers::Contains(file.string()));
-    CHECK(w.calibrations() == 1);
-  }
-  CHECK_FALSE(calibrated(w.render({"--max-error", "1"})));
 }
 
 TEST_CASE("a calibration measures a small volume's views whole, whatever the seed", "[mpi]") {
   const Workshop w("shell");
-  std::vector<json> measured;
+  std::vector<std::string> chosen;
   for (const char* seed : {"1", "2"}) {
-    succeeded(w.render({"--max-error", "5", "--zoom", "0.2", "--tf", "mr-surface", "--error-pixels", "400",
-                        "--error-seed", seed, "--image-plane", "screen", "--undersample", "1"}));
-    measured.push_back(json::parse(read_text(w.calibration())).at("measured"));
-    fs::remove(w.calibration());
+    const Ended ended = succeeded(w.render(
+        {"--max-error", "9", "--error", "field", "--zoom", "0.2", "--error-pixels", "400", "--error-seed",
+         seed, "--image-plane", "screen", "--undersample", "1", "--slabs", "1", "--opaque-threshold", "0"}));
+    const auto lines = lines_with(ended.out, "95 %: up to");
+    REQUIRE(lines.size() == 1);
+    chosen.push_back(lines[0].substr(0, lines[0].find(", ")));
   }
-  REQUIRE(measured[0].size() == measured[1].size());
-  for (std::size_t k = 0; k < measured[0].size(); ++k) {
-    CHECK(measured[0][k].at("rmse").get<double>() > 0);
-    CHECK(measured[0][k].at("rmse").get<double>() == Approx(measured[1][k].at("rmse").get<double>()));
-    CHECK(measured[0][k].at("rmse_high").get<double>() == Approx(measured[0][k].at("rmse").get<double>()));
-  }
+  CHECK(chosen[0] == chosen[1]);
+  std::smatch numbers;
+  const std::regex equal(R"(: ([0-9.e-]+)/255 rms \(95 %: up to ([0-9.e-]+)\))");
+  REQUIRE(std::regex_search(chosen[0], numbers, equal));
+  CHECK(std::stod(numbers[1]) > 0);
+  CHECK(numbers[1] == numbers[2]);
+}
+
+/// The last is larger than those that are measured, the straightest and the most oblique.
+std::string path_in(const Workshop& w) {
+  app_test::write_text(w / "path.csv", "0 0 0 0.4\n20 0 0 0.4\n10 0 0 1.5\n");
+  return w / "path.csv";
 }
 
 TEST_CASE("a picture over the budget is drawn again, more exactly", "[mpi]") {
-  const Workshop w;
-  const std::vector<std::string> asked{"--orbit", "2", "--max-error", "0.06"};
+  const Workshop w("gaussians", "64");  // of every second voxel it is drawn sooner
   for (const int ranks : {0, 2}) {
-    REQUIRE(w.render(asked, ranks).code == 0);
-    w.falsify("--undersample 4", 0.06);  // the cheapest, and just within the budget
-    const Ended ended = w.render(asked, ranks);
-    INFO(ended.out << ended.err);
-    CHECK(ended.code == 0);
+    const Ended ended =
+        succeeded(w.render({"--path", path_in(w), "--max-error", "0.4", "--size", "320x240", "--error-pixels",
+                            "1000", "--image-plane", "slices", "--slabs", "1", "--opaque-threshold", "0"},
+                           ranks));
+    INFO(ended.out);
     CHECK(without_progress(ended.err) == "");
-    CHECK(lines_with(ended.out, "drawn again with").size() == 2);
+    CHECK(lines_with(ended.out, "drawn again with").size() == 1);
     const json frames = json::parse(read_text(w.stats()));
-    REQUIRE(frames.size() == 2);
-    for (std::size_t k = 0; k < 2; ++k) {
+    REQUIRE(frames.size() == 3);
+    for (std::size_t k = 0; k < 3; ++k) {
       CHECK(frames[k].at("frame") == k);
-      CHECK(frames[k].at("settings").at("undersample") == 1);
-      CHECK(frames[k].at("error").at("rmse").get<double>() <= 0.06);
+      CHECK(frames[k].at("error").at("rmse").get<double>() <= 0.4);
       CHECK(fs::exists(w / ("x-000" + std::to_string(k) + ".exr")));
     }
-    fs::remove(w.calibration());
+    CHECK(frames[0].at("settings").at("undersample") == 2);
+    CHECK(frames[2].at("settings").at("undersample") == 1);
   }
 }
 
 TEST_CASE("a picture that breaks the budget however it is drawn is named, and the run ends with 1", "[mpi]") {
   const Workshop w;
   for (const int ranks : {0, 2}) {
-    REQUIRE(w.render({"--max-error", "1"}, ranks).code == 0);
-    w.falsify("--undersample 4", 1e-9);  // more exact than all others
-    const Ended ended = w.render({"--max-error", "0.01"}, ranks);
+    const Ended ended = w.render({"--path", path_in(w), "--max-error", "3", "--error", "field",
+                                  "--undersample", "4", "--slabs", "1", "--image-plane", "slices"},
+                                 ranks);
     INFO(ended.out << ended.err);
     CHECK(ended.code == 1);
     const auto warnings = lines_with(ended.err, "warning:");
     REQUIRE(warnings.size() == 1);
-    CHECK_THAT(warnings.front(), Catch::Matchers::Contains("x.exr breaks --max-error 0.01") &&
-                                     Catch::Matchers::Contains("hint: allow --max-error"));
-    CHECK(w.frame().at("error").at("rmse").get<double>() > 0.01);
-    CHECK(w.frame().at("settings").at("undersample") == 4);
-    fs::remove(w.calibration());
+    CHECK_THAT(warnings.front(), Catch::Matchers::Contains("x-0002.exr breaks --max-error 3") &&
+                                     Catch::Matchers::Contains("hint: leave out --undersample"));
+    const json frames = json::parse(read_text(w.stats()));
+    CHECK(frames.at(2).at("error").at("rmse").get<double>() > 3);
+    CHECK(frames.at(1).at("error").at("rmse").get<double>() <= 3);
   }
 }
 
@@ -439,13 +363,4 @@ TEST_CASE("what errs more than its setting should is drawn with one that is as m
   CHECK(slabs(more_exact(table, table[3].shortcuts, 2000, 2, false)) == 4);
   CHECK_FALSE(more_exact(table, table[0].shortcuts, 3, 2, false).has_value());
   CHECK_FALSE(more_exact(table, {.undersample = 2}, 3, 2, false).has_value());
-}
-
-TEST_CASE("a cache that cannot be written costs no more than the next calibration", "[mpi]") {
-  const Workshop w;
-  app_test::write_text(w.cache(), "in the way");
-  const Ended ended = w.render({"--max-error", "1"});
-  CHECK(ended.code == 0);
-  CHECK(lines_with(ended.err, "warning:").size() == 1);
-  CHECK(calibrated(w.render({"--max-error", "1"})));
 }

@@ -17,7 +17,6 @@
 #include "serve/levels.hpp"
 #include "session/render_frames.hpp"
 #include "simulate/machine.hpp"
-#include "study/calibration.hpp"
 
 namespace ringsplat::fuzz {
 namespace {
@@ -122,25 +121,6 @@ std::vector<Input> path_seeds() {
           "Azimuth,Elevation,Roll,Zoom\n0,0,0,1\n1e1,+2,-3,0.5\n"};
 }
 
-std::vector<app::Shortcuts> calibrated() {
-  return {{}, {.how = {.slabs = 2}, .undersample = 2}, {.how = {.slabs = 1}}};
-}
-
-void run_calibration(std::span<const std::byte> input) {
-  const auto path = files::write(scratch() / "calibration.json", std::string(text_of(input)));
-  const auto measured = app::read_calibration({"calibration", R"({"key": 1})", path}, calibrated());
-  if (!measured) throw InputError("it is measured anew");
-  static_cast<void>(app::cheapest_within(*measured, 1.0));
-}
-
-std::vector<Input> calibration_seeds() {
-  std::vector<app::MeasuredShortcuts> measured;
-  for (const auto& shortcuts : calibrated()) measured.push_back({shortcuts, 0.5, 0.25, 0.75});
-  const auto path = scratch() / "calibration.json";
-  app::write_calibration({"calibration", R"({"key": 1})", path}, measured);
-  return {files::slurp(path)};
-}
-
 Grid small_volume() {
   Grid grid;
   grid.dims = {70, 66, 64};
@@ -215,8 +195,6 @@ const Words machine_words{
 const Words path_words{
     "azimuth", "elevation", "roll", "zoom", "{\"azimuth\": ", "\"matrix\": [", "{", "}", "[", "]", "#",
     "\r\n", "\t", ",", ";", "1e400", "[[[[[[[["};
-const Words calibration_words{
-    "\"measured\": ", "\"key\": ", "\"setting\": ", "\"seconds\": ", "\"rmse\": ", "null", "[", "]", "{", "}"};
 const Words client_message_words{
     "\"type\":", "\"view\"", "\"snapshot\"", "\"movie_frame\"", "\"index\":", "\"count\":", "\"id\":", "\"state\":", "\"camera\":", "\"zoom\":", "\"azimuth\":", "\"pan\":",
     "\"fov\":", "\"clip\":", "\"light\":", "\"transfer_function\":", "\"colours\":", "\"opacities\":", "null", "true",
@@ -232,7 +210,6 @@ std::vector<Driver> text_drivers() {
       {"command_line", run_command_line, command_line_seeds, command_line_words, 1000},
       {"machine", run_machine, machine_seeds, machine_words, 6000},
       {"path", run_path, path_seeds, path_words, 20000},
-      {"calibration", run_calibration, calibration_seeds, calibration_words, 5000},
       {"client_message", run_client_message, client_message_seeds, client_message_words, 3000}};
 }
 
