@@ -8,6 +8,7 @@
 #include "base/srgb.hpp"
 #include "classify/auto_preset.hpp"
 #include "frame/quality.hpp"
+#include "live/hand_over.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
@@ -45,8 +46,11 @@ FrameSpec first_frame(const LiveOptions& options, const ValueStatistics& values)
 
 struct Live::State {
   State(Session& session_, const LiveOptions& options) : session(session_), share(options.share) {
-    const ValueStatistics& values = SessionParts::values(session, "Live");
-    agree_after(all(), [&] {
+    if (!SessionParts::draws(session)) hand_over.emplace(session, share);
+    if (session.visualises()) post.emplace(session);
+    agree_after(SessionParts::all(session).collectives(), [&] {
+      if (hand_over) return;
+      const ValueStatistics& values = SessionParts::values(session, "Live");
       if (!(options.share > 0 && options.share <= 1))
         throw InputError(fmt::format("the share {:g} is not in 0 ... 1", options.share), "0.05 is usual");
       check_values(values);
@@ -58,6 +62,9 @@ struct Live::State {
   }
   ~State() {
     if (viewer) viewer->end("The simulation has ended.");
+    if (!post || session.rank() != 0) return;
+    while (given != Want::end) given = post->wait_for_letter().want;
+    post->send(simulation(), {.want = Want::end});
   }
 
   Collectives& all() { return SessionParts::collectives(session); }
@@ -65,8 +72,8 @@ struct Live::State {
   void start(const LiveOptions& options, const ValueStatistics& values) {
     const Grid& grid = SessionParts::grid(session);
     serve::ViewerOptions v;
-    v.layout = "the simulation's ranks";
-    v.ranks = session.ranks();
+    v.layout = post ? "ranks set aside for it" : "the simulation's ranks";
+    v.ranks = all().processes();
     v.volume = {options.name, grid, false, options.unit, false, {values.range}, values.histogram};
     v.frame = frame;
     v.initial.shown = frame.shown;
@@ -126,9 +133,17 @@ struct Live::State {
     return run.paused && steps_wanted == 0;
   }
 
-  void begin(std::int64_t step, double time) {
+  /// All parameters as pages want them, for the program. The mutex is held.
+  std::vector<double> take_set() {
+    std::vector<double> values;
+    for (const RunState::Parameter& parameter : run.parameters) values.push_back(parameter.value);
+    set_by_page.assign(values.size(), false);
+    return values;
+  }
+
+  void begin(std::int64_t step, double time, int steps_taken = 1) {
     debt = std::max(0.0, debt - share * (now_seconds() - left));
-    ++steps;
+    steps += steps_taken;
     const double passed = now_seconds() - told;
     {
       const std::lock_guard lock(telling);
@@ -163,10 +178,7 @@ struct Live::State {
       run.paused = false;  // whoever paused it is gone
       if (std::ranges::find(set_by_page, true) == set_by_page.end()) return {};
     }
-    std::vector<double> values;
-    for (const RunState::Parameter& parameter : run.parameters) values.push_back(parameter.value);
-    set_by_page.assign(values.size(), false);
-    return to_bytes(act, values);
+    return to_bytes(act, take_set());
   }
 
   /// Draws what pages want while they hold the simulation, or until all is answered.
@@ -182,7 +194,85 @@ struct Live::State {
     return held;
   }
 
+  // On rank 0 of those that are set aside.
+
+  int simulation() { return all().processes(); }  ///< its first rank
+
+  /// Takes what the simulation says and asks it for what pages want. Whether all have to do something else
+  /// than draw the step that was given last.
+  bool heard() {
+    while (const auto came = post->receive()) {
+      if (asked != Want::hold || came->want == Want::hold) asked = Want::nothing;
+      if (came->want != Want::news) given = came->want;
+      if (came->want == Want::end) break;
+      take_values(session, came->values, offered);
+      begin(came->step, came->time, came->steps);
+      const std::lock_guard lock(telling);
+      steps_wanted = std::max(steps_wanted - came->steps, 0);
+    }
+    if (given == Want::nothing) ask();
+    return given != Want::nothing;
+  }
+
+  /// What to ask for next.
+  Want question() {
+    const bool stale = now_seconds() - told >= soon;
+    const std::lock_guard lock(telling);
+    if (!viewer->has_pages()) run.paused = false;  // whoever paused it is gone
+    if (run.paused && steps_wanted <= 1) return Want::hold;
+    if (std::ranges::find(set_by_page, true) != set_by_page.end()) return Want::news;
+    if (!viewer->has_pages()) return Want::nothing;
+    return pictures > 0 ? Want::step : stale ? Want::news : Want::nothing;
+  }
+
+  /// A question is open until it is answered; only that it waits may be asked meanwhile.
+  void ask() {
+    const Want want = question();
+    if (waiting ? holds() : want <= asked || (asked != Want::nothing && want != Want::hold)) return;
+    const std::lock_guard lock(telling);
+    const Letter letter{want, take_set(), std::exchange(waiting, false)};
+    asked = want;
+    for (int rank = simulation(); rank < (letter.lets_go ? session.ranks() : simulation() + 1); ++rank)
+      post->send(rank, letter);
+  }
+
+  /// Draws what pages want of the step that was given last, first as of views that move. For another one a
+  /// view's picture that is not drawn is dropped.
+  Director frames_of_step() {
+    Director frames = viewer->director();
+    frames.pause = {};  // it would not end when messages come
+    frames.may_come = [this, may_come = frames.may_come] { return !heard() && may_come(); };
+    frames.next_picture = [this, next = frames.next_picture] {
+      return heard() ? std::vector<VolumeFrame>() : next();
+    };
+    frames.unwanted = [this, unwanted = frames.unwanted](const FrameSpec& spec) {
+      return unwanted(spec) || (given != Want::nothing && !viewer->has_requests());
+    };
+    frames.frame_done = [this, done = frames.frame_done](FrameResult&& result) {
+      done(std::move(result));
+      if (++pictures == 1 && !waiting) viewer->renewed(range, false);
+    };
+    return frames;
+  }
+
   // On all ranks.
+
+  /// Takes the next step that is given, of all ranks that are set aside; false when none comes any more.
+  bool next_step() {
+    const Block said = all().broadcast(viewer ? to_bytes(given) : Block{}, 0);
+    const auto next = value_of<Want>(said, "what the simulation gives");
+    if (next == Want::end) return false;
+    if (next == Want::nothing) return true;
+    given = Want::nothing;
+    pictures = 0;
+    session.commit();
+    waiting = next == Want::hold;  // unless it was thrown what the simulation's ranks throw, too
+    count();
+    if (!viewer) return true;
+    viewer->renewed(range, !waiting);
+    tell();
+    return true;
+  }
 
   /// Rank 0's decision; takes its values of the parameters.
   Act agree_on_next() {
@@ -191,12 +281,7 @@ struct Live::State {
     Act act = Act::go_on;
     std::vector<double> values;
     read_block(told_by_0, "what to do next", act, values);
-    if (values.size() != offered.size())
-      SessionParts::note_problem(
-          session, fmt::format("rank {} offers {} parameters, rank 0 {}; hint: all ranks offer the same",
-                               session.rank(), offered.size(), values.size()));
-    else
-      for (std::size_t k = 0; k < values.size(); ++k) *offered[k] = values[k];
+    take_values(session, values, offered);
     return act;
   }
 
@@ -224,7 +309,8 @@ struct Live::State {
   FrameSpec frame;  ///< what all have in common, but for what is shown
   std::string url;
   std::vector<double*> offered;
-  ValueRange range;  ///< of the volume that was counted last
+  ValueRange range;                   ///< of the volume that was counted last
+  std::optional<HandOver> hand_over;  ///< where others draw
 
   // Rank 0's.
   const double share;               ///< of the simulation's own time that pictures may take
@@ -237,6 +323,11 @@ struct Live::State {
   Director director = {};           ///< of the picture that is drawn next
   std::vector<VolumeFrame> wanted;  ///< its frames
   int steps = 0;                    ///< since the rate was told
+  std::optional<Post> post;         ///< where ranks are set aside
+  Want asked = Want::nothing;       ///< of the simulation, which has not answered yet
+  Want given = Want::nothing;       ///< by it, and not yet taken
+  bool waiting = false;             ///< it waits
+  int pictures = 0;                 ///< of the step that was given last
   double told = now_seconds(), counted = 0;
   std::unique_ptr<serve::Viewer> viewer;  ///< last, as its thread uses what is above
 };
@@ -258,6 +349,7 @@ void Live::offer(const std::string& name, double& value, const std::vector<std::
 
 void Live::show(std::int64_t step, double time) {
   State& s = *state_;
+  if (s.hand_over) return s.hand_over->show(step, time, s.offered);
   if (s.viewer) s.begin(step, time);
   bool committed = false;
   while (true) {
@@ -280,6 +372,16 @@ void Live::show(std::int64_t step, double time) {
   const std::lock_guard lock(s.telling);
   s.steps_wanted = std::max(s.steps_wanted - 1, 0);
   s.left = now_seconds();
+}
+
+void Live::visualise() {
+  State& s = *state_;
+  if (!s.session.visualises())
+    throw InputError("visualise() is for ranks that are set aside to draw", "the others call show()");
+  do
+    SessionParts::direct(s.session, serve::needed_for_levels(s.frame, SessionParts::grid(s.session)),
+                         s.viewer ? s.frames_of_step() : Director{});
+  while (s.next_step());
 }
 
 }  // namespace ringsplat

@@ -23,6 +23,7 @@
 #include "mpi/session.hpp"
 #include "net/collectives.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {
 namespace {
@@ -296,6 +297,14 @@ class MpiCollectives final : public Collectives {
       if (missing.empty() || late) return missing;
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
+  }
+
+  Processes part(int number) override {
+    MPI_Comm comm = MPI_COMM_NULL;
+    checked(MPI_Comm_split(comm_.get(), number, process(), &comm), "MPI_Comm_split");
+    Processes made(comm);
+    MPI_Comm_free(&comm);
+    return made;
   }
 
   void begin_watch(const std::string& what, bool at_work) override {

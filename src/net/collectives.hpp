@@ -11,6 +11,7 @@
 namespace ringsplat {
 
 using Block = Bytes;
+class Processes;
 
 /// What comes of waiting for a process that does not come to a collective call.
 struct Patience {
@@ -42,6 +43,8 @@ class Collectives {
   /// for how long nobody knows, and only who makes no headway is named. Not collective, but all make it.
   virtual void begin_watch(const std::string& /*what*/, bool /*at_work*/) {}
   virtual void end_watch() {}
+  /// Connects those that give the same number, in their order; without MPI each process alone. Collective.
+  virtual Processes part(int number);
   /// Watches while what it returns lives.
   [[nodiscard]] auto watched(const std::string& what, bool at_work = true) {
     begin_watch(what, at_work);

@@ -210,8 +210,12 @@ struct SessionParts {
   /// Renders frames of the committed volume as rank 0's director gives them; they need no more than `needed`,
   /// the same on all ranks. Collective.
   static void direct(Session& session, const LoadOptions& needed, Director director);
-  /// For what all ranks agree on between the session's calls.
+  /// For what ranks agree on between the session's calls: all, or where some are set aside these, or the
+  /// others.
   static Collectives& collectives(Session& session);
+  static Processes& all(Session& session);
+  /// False where others are set aside for it.
+  static bool draws(const Session& session);
   /// Of the committed volume. Throws InputError when there is none.
   static const Grid& grid(const Session& session);
 };

@@ -68,29 +68,50 @@ LoadOptions needed_together(const std::vector<FrameSpec>& frames, const Grid& gr
   return all;
 }
 
+/// Of the processes, of which the first are set aside, those with which this one draws or has blocks; nothing
+/// where none are. Collective.
+std::optional<Processes> part_of(Processes& all, int set_aside) {
+  require_same(all.collectives(), {{"visualisation ranks", std::to_string(set_aside)}},
+               "was given other roles", "pass the same SessionOptions on all ranks");
+  if (set_aside == 0) return std::nullopt;
+  if (set_aside < 0 || set_aside >= all.ranks())
+    throw InputError(
+        fmt::format("{} of {} ranks cannot be set aside for visualisation", set_aside, all.ranks()),
+        "one at least must be left for the simulation");
+  return all.collectives().part(all.rank() < set_aside ? 0 : 1);
+}
+
 }  // namespace
 
 struct Session::State {
   State(Processes given, const std::optional<Layout>& wanted, const SessionOptions& options)
       : processes(std::move(given)),
-        layout(wanted.value_or(Layout{
-            .gps = processes.ranks(), .renderers = processes.ranks(), .placement = Placement::colocated})),
-        wiring{processes.collectives(), processes.transport()} {
+        part(part_of(processes, options.visualisation_ranks)),
+        draws(!part || processes.rank() < options.visualisation_ranks),
+        layout(wanted.value_or(all_draw(part ? options.visualisation_ranks : processes.ranks()))),
+        wiring{peers().collectives(), peers().transport()} {
     engine.threads_per_rank = options.threads_per_rank;
     protocol = running_ahead(layout.topology);
     protocol.stall_timeout = options.stall_timeout;
-    wiring.collectives.patience = {options.stall_timeout, false};
+    for (Processes* each : {&processes, &peers()})
+      each->collectives().patience = {options.stall_timeout, false};
     // Several processes would wait for one that ends a call by itself.
-    if (wiring.transport == nullptr) wiring.loopback.poll = options.poll;
+    if (processes.transport() == nullptr) wiring.loopback.poll = options.poll;
   }
 
-  /// Begins a collective call: all must be in the same one, and all throw when one has an error, now or from
-  /// a call before that was its own.
-  void enter(const std::string& call, const std::string& error) {
+  static Layout all_draw(int ranks) {
+    return {.gps = ranks, .renderers = ranks, .placement = Placement::colocated};
+  }
+  /// The ranks with which this one draws; where it does not those that have blocks.
+  Processes& peers() { return part ? *part : processes; }
+
+  /// Begins a call that these ranks make together: all must be in the same one, and all throw when one has an
+  /// error, now or from a call before that was its own.
+  void enter(const std::string& call, const std::string& error, Collectives& ranks) {
     const std::string before = std::exchange(problem, {});
     const auto all = [&] {
-      const auto watched = wiring.collectives.watched(fmt::format("late for {}()", call), false);
-      return wiring.collectives.all_gather(to_bytes(call, before.empty() ? error : before));
+      const auto watched = ranks.watched(fmt::format("late for {}()", call), false);
+      return ranks.all_gather(to_bytes(call, before.empty() ? error : before));
     }();
     std::vector<std::string> calls, errors;
     for (const Block& block : all) {
@@ -104,6 +125,13 @@ struct Session::State {
             "all ranks make the same calls of a session in the same order");
     throw_first(errors);
   }
+  /// The same of a call of those that draw.
+  void enter_to_draw(const std::string& call, const std::string& error) {
+    if (!draws)
+      throw InputError(fmt::format("rank {} called {}() and does not draw", processes.rank(), call),
+                       "call it on the ranks that are set aside");
+    enter(call, error, wiring.collectives);
+  }
 
   const Grid& committed() const {
     if (!committed_grid)
@@ -116,14 +144,15 @@ struct Session::State {
   /// Takes the voxels of all processes' blocks in place of the volume before. Throws the same InputError on
   /// all when grids, layouts or blocks do not fit; then the volume stays as it was.
   void commit_blocks() {
-    Collectives& all = wiring.collectives;
+    Collectives& all = processes.collectives();
     agree_after(all, [&] {
       check(*grid, "the grid");
-      check_wiring(layout, wiring);
+      if (draws) check_wiring(layout, wiring);
     });
-    require_same_scene(*grid, {}, layout, wiring);
+    const Wiring of_all{all, processes.transport()};
+    require_same_scene(*grid, {}, layout, of_all);
     check_blocks(*grid, blocks, all);
-    const Sharing sharing = sharing_of(layout, wiring);
+    const Sharing sharing = sharing_of(layout, of_all);
     scene.reset();
     known_values.reset();
     std::string error;
@@ -156,8 +185,10 @@ struct Session::State {
   }
 
   Processes processes;
+  std::optional<Processes> part;
+  bool draws;
   Layout layout;
-  Wiring wiring;
+  Wiring wiring;  ///< of the peers
   EngineOptions engine;
   ProtocolOptions protocol;
   std::optional<Grid> grid;  ///< the next commit's
@@ -181,6 +212,7 @@ Session& Session::operator=(Session&&) noexcept = default;
 
 int Session::rank() const { return state_->processes.rank(); }
 int Session::ranks() const { return state_->processes.ranks(); }
+bool Session::visualises() const { return state_->part && state_->draws; }
 
 void Session::set_grid(const Grid& grid) {
   state_->grid = grid;
@@ -212,7 +244,8 @@ void Session::commit() {
   const PlainFloats floats;
   State& s = *state_;
   s.enter("commit",
-          s.grid ? "" : "the volume has no grid; hint: call set_grid() before add_block() and commit()");
+          s.grid ? "" : "the volume has no grid; hint: call set_grid() before add_block() and commit()",
+          s.processes.collectives());
   s.commit_blocks();
 }
 
@@ -225,7 +258,7 @@ ValueRange Session::range() { return SessionParts::values(*this, "range").range;
 const ValueStatistics& SessionParts::values(Session& session, const char* call) {
   const PlainFloats floats;
   Session::State& s = *session.state_;
-  s.enter(call, input_error_of([&] { static_cast<void>(s.committed()); }));
+  s.enter_to_draw(call, input_error_of([&] { static_cast<void>(s.committed()); }));
   if (!s.known_values) s.known_values = share_values(s.slices, *s.committed_grid, {}, s.wiring.collectives);
   return *s.known_values;
 }
@@ -254,15 +287,16 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
                           const std::function<void(FrameResult&&)>& take) {
   const PlainFloats floats;
   Session::State& s = *session.state_;
+  if (!s.draws) return;
   std::optional<LoadOptions> needed;  // on rank 0, where there are frames
-  s.enter("render", input_error_of([&] {
-            const Grid& grid = s.committed();
-            check(s.engine);
-            check(s.protocol);
-            if (s.processes.rank() != 0 || frames.empty()) return;
-            for (const FrameSpec& frame : frames) check_frame(frame, grid);
-            needed = needed_together(frames, grid);
-          }));
+  s.enter_to_draw("render", input_error_of([&] {
+                    const Grid& grid = s.committed();
+                    check(s.engine);
+                    check(s.protocol);
+                    if (s.processes.rank() != 0 || frames.empty()) return;
+                    for (const FrameSpec& frame : frames) check_frame(frame, grid);
+                    needed = needed_together(frames, grid);
+                  }));
   const Block told = s.wiring.collectives.broadcast(needed ? to_bytes(*needed) : Block{}, 0);
   if (told.empty()) return;
   needed = value_of<LoadOptions>(told, "what frames need");
@@ -290,11 +324,13 @@ void check_values(const ValueStatistics& values, const std::string& hint) {
 void SessionParts::direct(Session& session, const LoadOptions& needed, Director director) {
   const PlainFloats floats;
   Session::State& s = *session.state_;
-  s.enter("show", input_error_of([&] { static_cast<void>(s.committed()); }));
+  s.enter_to_draw("show", input_error_of([&] { static_cast<void>(s.committed()); }));
   render_frames(s.scene_for(needed), s.layout, s.protocol, std::move(director), s.wiring, s.engine);
 }
 
-Collectives& SessionParts::collectives(Session& session) { return session.state_->wiring.collectives; }
+Collectives& SessionParts::collectives(Session& session) { return session.state_->peers().collectives(); }
+Processes& SessionParts::all(Session& session) { return session.state_->processes; }
+bool SessionParts::draws(const Session& session) { return session.state_->draws; }
 const Grid& SessionParts::grid(const Session& session) { return session.state_->committed(); }
 
 }  // namespace ringsplat

@@ -11,21 +11,23 @@ namespace ringsplat::words {
 
 BlockSession::BlockSession(Processes processes, const std::vector<std::string>& layout,
                            const SessionOptions& options, const std::string& problem)
-    : collectives_(processes.collectives()), session_([&] {
+    : session_([&] {
         const bool over_mpi = processes.transport() != nullptr;
         Layout nodes;
         agree_after(processes.collectives(), [&] {
           if (!problem.empty()) throw InputError(problem);
-          nodes = parse_layout(layout, over_mpi, processes.ranks());
+          const int aside = options.visualisation_ranks;
+          nodes = parse_layout(layout, over_mpi, aside > 0 ? aside : processes.ranks());
         });
         return Session(std::move(processes), nodes, options);
       }()) {}
 
 std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
                                           const std::vector<app::ViewAngles>& views, const Hooks& hooks) {
+  if (!SessionParts::draws(session_)) return {};
   const ValueStatistics& values = SessionParts::values(session_);
   Request wanted;
-  agree_after(collectives_, [&] {
+  agree_after(SessionParts::collectives(session_), [&] {
     check_values(values);
     if (session_.rank() == 0) wanted = request(words, views, values);
   });
@@ -40,7 +42,7 @@ std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
 
 void BlockSession::draw(const std::vector<std::string>& words, const std::string& file) {
   const auto pictures = render(words, {}, {});
-  agree_after(collectives_, [&] {
+  agree_after(SessionParts::collectives(session_), [&] {
     for (const Picture& p : pictures) {
       try {
         write_image(p.image, file, p.background, p.settings, p.overlay);
@@ -55,8 +57,8 @@ void BlockSession::act(const std::string& file, std::int64_t step) {
   Actions& actions = actions_.try_emplace(file, file).first->second;
   std::vector<Action> due;
   if (session_.rank() == 0) due = actions.due(step);
-  due.resize(
-      value_of<std::size_t>(collectives_.broadcast(to_bytes(due.size()), 0), "how many pictures are due"));
+  const Block told = SessionParts::all(session_).collectives().broadcast(to_bytes(due.size()), 0);
+  due.resize(value_of<std::size_t>(told, "how many pictures are due"));
   if (due.empty()) return;
   commit();
   for (const Action& action : due) {
@@ -71,8 +73,9 @@ void BlockSession::act(const std::string& file, std::int64_t step) {
 std::string BlockSession::serve(const std::vector<std::string>& words, LiveOptions options) {
   live_.reset();
   offered_.clear();
-  const ValueStatistics& values = SessionParts::values(session_, "serve");
-  agree_after(collectives_, [&] {
+  agree_after(SessionParts::all(session_).collectives(), [&] {
+    if (!SessionParts::draws(session_)) return;
+    const ValueStatistics& values = SessionParts::values(session_, "serve");
     check_values(values);
     const Request wanted = request(words, {}, values);
     options.frame = wanted.frames.front();

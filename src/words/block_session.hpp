@@ -105,7 +105,6 @@ class BlockSession {
   Request request(const std::vector<std::string>& words, const std::vector<app::ViewAngles>& views,
                   const ValueStatistics& values) const;
 
-  Collectives& collectives_;  ///< the session's
   Session session_;
   VolumeNotes notes_, committed_notes_;
   std::deque<std::pair<std::string, double>> offered_;  ///< at addresses that last

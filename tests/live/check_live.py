@@ -10,8 +10,10 @@ ENDLESS = 10 ** 9
 started = []
 
 
-def start(options, ranks, steps=ENDLESS, share=0.2):
-    started.append(vc.Server([options.mpiexec, "-n", str(ranks), options.heat, "32", str(steps)], {"SHARE": str(share)}))
+def start(options, ranks, steps=ENDLESS, share=0.2, aside=0):
+    """`aside`: of the ranks so many draw, and the others do not."""
+    environment = {"SHARE": str(share), "SET_ASIDE": str(aside)}
+    started.append(vc.Server([options.mpiexec, "-n", str(ranks), options.heat, "32", str(steps)], environment))
     return started[-1]
 
 
@@ -27,10 +29,13 @@ def steer(client, act, **more):
 
 def held(client):
     """Holds the simulation; returns its step, of which pictures are."""
-    steer(client, "pause")
+    steps = []
+    while len(steps) < 5 or len(set(steps[-5:])) > 1:  # some are told before it is held
+        steer(client, "pause")
+        steps.append(run(client, paused=True)["step"])
+        time.sleep(0.1)
     client.picture(seq=client.view(width=96, height=64), at_rest=1)
-    steer(client, "pause")
-    return run(client, paused=True)["step"]
+    return steps[-1]
 
 
 def highest(client, step):
@@ -46,9 +51,9 @@ def one_step(client, step):
     return step + 1
 
 
-def answered(options):
+def answered(options, aside):
     """Pictures come while it runs, what pages ask for beside views is answered, and it goes on."""
-    server = start(options, 4)
+    server = start(options, 4, aside=aside)
     client = server.client()
     begin = time.monotonic()
     client.acknowledge(client.picture(seq=client.view()))
@@ -64,9 +69,9 @@ def answered(options):
     server.kill()
 
 
-def steered(options):
+def steered(options, aside):
     """It is held, takes single steps, and takes numbers, as its values prove."""
-    server = start(options, 4)
+    server = start(options, 4, aside=aside)
     client = server.client()
     client.picture(seq=client.view())
     step = held(client)
@@ -98,11 +103,11 @@ def steered(options):
     server.kill()
 
 
-def same_on_all_ranks(options):
+def same_on_all_ranks(options, aside):
     """The same step has the same picture on one rank and on four."""
     servers, clients, steps = [], [], []
     for ranks in (1, 4):  # each is held before it is far ahead of the other
-        servers.append(start(options, ranks))
+        servers.append(start(options, ranks, aside=aside if ranks > aside else 0))
         clients.append(servers[-1].client())
         steps.append(held(clients[-1]))
     for client, step in zip(clients, steps):
@@ -121,9 +126,9 @@ def same_on_all_ranks(options):
     subprocess.run([options.program, "compare", *files, "--fail-above", "0"], check=True, stdout=subprocess.DEVNULL)
 
 
-def clients_come_and_go(options):
+def clients_come_and_go(options, aside):
     """Whatever clients do, it goes on: also when it is held and nobody is left."""
-    server = start(options, 4)
+    server = start(options, 4, aside=aside)
     for k in range(12):
         client = server.client()
         client.send({"type": "drive"})
@@ -142,9 +147,9 @@ def clients_come_and_go(options):
     server.kill()
 
 
-def newcomer(options):
+def newcomer(options, aside):
     """A page's first picture does not wait until those of others are paid for, which here takes a minute or so."""
-    server = start(options, 4, share=0.001)
+    server = start(options, 4, share=0.001, aside=aside)
     for _ in range(2):
         client = server.client()
         client.send({"type": "drive"})
@@ -153,18 +158,18 @@ def newcomer(options):
     server.kill()
 
 
-def ends(options):
+def ends(options, aside):
     """Pages are told that the simulation has ended, and that it was held is no reason not to end."""
-    server = start(options, 4, steps=60)
+    server = start(options, 4, steps=60, aside=aside)
     client = server.client()
     client.view()
     expect("has ended" in client.text("end", 60)["message"], "no word of the end")
     expect(server.wait() == 0, "not a good end")
 
 
-def killed_rank(options):
+def killed_rank(options, aside):
     """Nothing is left of a job whose rank is killed while it is held."""
-    server = start(options, 4)
+    server = start(options, 4, aside=aside)
     client = server.client()
     client.picture(seq=client.view())
     held(client)
@@ -175,17 +180,24 @@ def killed_rank(options):
     until("a rank is left", lambda: not any(os.path.exists(f"/proc/{rank}") for rank in ranks))
 
 
+def unseen(options, aside):
+    """Without a page it takes all its steps and ends well."""
+    server = start(options, 4, steps=200, aside=aside)
+    expect(server.wait() == 0, "not a good end")
+
+
 def main():
-    cases = [answered, steered, same_on_all_ranks, clients_come_and_go, newcomer, ends, killed_rank]
+    cases = [answered, steered, same_on_all_ranks, clients_come_and_go, newcomer, ends, killed_rank, unseen]
     arguments = argparse.ArgumentParser()
     for name in ("--heat", "--program", "--mpiexec", "--scratch"):
         arguments.add_argument(name)
     options = arguments.parse_args()
     os.makedirs(options.scratch, exist_ok=True)
     try:
-        for case in cases:
-            print(case.__name__, flush=True)
-            case(options)
+        for aside in (0, 1, 3):
+            for case in cases:
+                print(f"{case.__name__}, {aside} set aside", flush=True)
+                case(options, aside)
     finally:
         for server in started:  # a simulation without an end outlives a test that fails
             server.kill()

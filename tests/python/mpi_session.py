@@ -2,6 +2,7 @@
 
 import pathlib
 import sys
+import threading
 
 import numpy as np
 import ringsplat as rs
@@ -11,6 +12,7 @@ from mpi4py import MPI  # noqa: E402
 
 from conftest import blob  # noqa: E402
 from sessions import add_random_blocks  # noqa: E402
+from test_live import client_of  # noqa: E402
 
 assert rs_is_without_mpi
 folder = pathlib.Path(sys.argv[1])
@@ -83,6 +85,53 @@ comm.Barrier()
 with_file.act(folder / "actions.toml", ranks)
 comm.Barrier()
 assert (folder / f"kept-{ranks:06}.png").exists()
+
+# One rank draws what the others have, whose program a page steers meanwhile.
+volume = blob((18, 21, 25), "float32")
+apart = rs.Session(comm=comm, visualisation_ranks=1)
+assert apart.visualises == (rank == 0)
+apart.set_grid(volume.shape, "float32")
+if rank > 0:
+    add_random_blocks(apart, volume, 3, rank - 1, ranks - 1)
+apart.commit()
+image = apart.render(size=40)
+assert (image is None) == (rank != 0)
+if rank == 0:
+    assert np.array_equal(np.asarray(image), np.asarray(rs.render(volume, size=40)))
+url = apart.serve(tf="grey")
+apart.offer("gain", 1.0, 0.0, 4.0)
+if rank == 0:
+
+    def turn_and_steer():
+        client = client_of(url)
+        for azimuth in (0, 40):
+            client.acknowledge(client.picture(seq=client.view(width=64, height=64, camera={"azimuth": azimuth})))
+        client.send({"type": "steer", "act": "set", "parameter": "gain", "value": 3})
+        assert "has ended" in client.text("end", 60)["message"]
+
+    page = threading.Thread(target=turn_and_steer)
+    page.start()
+    refused(apart.visualise, rs.InputError, "no block 99")
+    apart.visualise()
+else:
+    step = 1
+    apart.update_block(99, volume)
+
+    def show_steps():
+        global step
+        while True:
+            apart.show(step)
+            step += 1
+
+    refused(show_steps, rs.InputError, "no block 99")
+    while apart.show(step)["gain"] != 3:
+        step += 1
+    refused(lambda: apart.range, rs.InputError, "does not draw")
+    refused(apart.visualise, rs.InputError, "set aside")
+apart.close()
+if rank == 0:
+    page.join()
+refused(lambda: rs.Session(comm=comm, visualisation_ranks=ranks), rs.InputError, "cannot be set aside")
 
 # The communicator is as it was, and its messages are its own.
 assert comm.allreduce(1) == ranks and comm.Get_errhandler() is not None

@@ -43,12 +43,20 @@ struct LiveOptions {
 /// Pages turn the volume as those of `ringsplat serve`, whose threads on rank 0 never call MPI. The page that
 /// drives may hold the simulation, let it take single steps and change what it offers. While nobody looks a
 /// call of show() costs one broadcast of a few bytes.
+///
+/// Where the session has ranks set aside (SessionOptions::visualisation_ranks) these draw, all the time, and
+/// the simulation's ranks only give them blocks that they ask for:
+///
+///     if (session.visualises())
+///       live.visualise();
+///     else
+///       for (...) ...                       // as above
 class Live {
  public:
   /// `session`: with a committed volume; it must outlive this. Collective. Throws InputError on all ranks
   /// when the volume has no finite value, the first view cannot be drawn or the port cannot be had.
   explicit Live(Session& session, const LiveOptions& options = {});
-  /// Tells pages that the simulation has ended. Not collective.
+  /// Tells pages that the simulation has ended. Collective only where ranks are set aside.
   ~Live();
 
   /// On rank 0 the page's address, with the token that lets in; elsewhere empty.
@@ -66,6 +74,10 @@ class Live {
   /// picture. While a page holds the simulation it draws as many as are wanted, and returns when the page
   /// lets it go on, or all pages are gone. Collective; throws as Session::commit() and Session::render().
   void show(std::int64_t step, double time = 0);
+
+  /// On ranks that are set aside: draws what pages want until the others have no more steps, and let go of
+  /// their Live. Throws as Session::commit(), and InputError on other ranks.
+  void visualise();
 
  private:
   struct State;

@@ -21,6 +21,9 @@ struct SessionOptions {
   double stall_timeout = 60;  ///< seconds until a frame without progress fails, or a late rank is named
   /// In one process: called now and then while a frame is made; may throw to end it.
   std::function<void()> poll = {};
+  /// The first so many ranks have no blocks, but alone draw; the others never wait for a picture. All ranks
+  /// pass the same. 0: all ranks do both.
+  int visualisation_ranks = 0;
 };
 
 /// Renders a volume that lies in blocks on the processes of a job, as often as wanted.
@@ -37,14 +40,15 @@ struct SessionOptions {
 /// commit(), transfer_function() and render() are collective: all processes make the same calls in the same
 /// order. What one of them got wrong, in any call, they throw as the same InputError on all; the session can
 /// be used on, with the volume that was committed last. After a RunError (a rank is lost, or stalls) it
-/// cannot.
+/// cannot. Where ranks are set aside to draw only commit() is collective: range() and transfer_function() are
+/// theirs, and the others return from render() at once, without a picture.
 ///
 /// Calls leave as they were: the communicator and its error handler, signal handlers, and the thread's
 /// floating point environment (rounding, traps, flags, denormals).
 class Session {
  public:
   /// `processes`: an MPI_Comm, or nothing for this process alone. Collective. Without a layout every rank
-  /// hosts a GP and a Renderer.
+  /// that draws hosts a GP and a Renderer.
   explicit Session(Processes processes = {}, const std::optional<Layout>& layout = std::nullopt,
                    const SessionOptions& options = {});
   ~Session();
@@ -53,6 +57,8 @@ class Session {
 
   int rank() const;
   int ranks() const;
+  /// This rank is set aside to draw.
+  bool visualises() const;
 
   /// The whole volume's lattice and type, the same on all processes. Removes the blocks.
   void set_grid(const Grid& grid);

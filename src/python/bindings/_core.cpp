@@ -225,15 +225,18 @@ nb::class_<BlockSession> bind_blocks(nb::module_& m) {
       .def(
           "__init__",
           [](BlockSession* self, nb::handle capsule, const Words& layout, int threads, double stall_timeout,
-             const std::string& problem) {
-            const SessionOptions options{
-                .threads_per_rank = threads, .stall_timeout = stall_timeout, .poll = poll_now_and_then()};
+             int visualisation_ranks, const std::string& problem) {
+            const SessionOptions options{.threads_per_rank = threads,
+                                         .stall_timeout = stall_timeout,
+                                         .poll = poll_now_and_then(),
+                                         .visualisation_ranks = visualisation_ranks};
             new (self) BlockSession(processes_of(capsule), layout, options, problem);
           },
           nb::arg("processes").none(), nb::arg("layout"), nb::arg("threads"), nb::arg("stall_timeout"),
-          nb::arg("problem"))
+          nb::arg("visualisation_ranks"), nb::arg("problem"))
       .def_prop_ro("rank", [](BlockSession& s) { return s.session().rank(); })
       .def_prop_ro("ranks", [](BlockSession& s) { return s.session().ranks(); })
+      .def_prop_ro("visualises", [](BlockSession& s) { return s.session().visualises(); })
       .def("set_grid", [](BlockSession& s, const ArrayVolume& like) { s.set_grid(like.grid, like.notes); })
       .def("add_block",
            [](BlockSession& s, const std::array<int, 3>& first, const std::array<int, 3>& end,
@@ -287,7 +290,9 @@ void bind_session(nb::module_& m) {
       .def("act", &BlockSession::act, without_lock)
       .def("offer", &BlockSession::offer, nb::arg("name"), nb::arg("value"), nb::arg("low"), nb::arg("high"),
            nb::arg("choices").none())
-      .def("show", &BlockSession::show, without_lock);
+      .def("show", &BlockSession::show, without_lock)
+      .def(
+          "visualise", [](BlockSession& s) { s.live().visualise(); }, without_lock);
 }
 
 }  // namespace

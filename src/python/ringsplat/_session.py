@@ -113,22 +113,33 @@ class Session(contextlib.AbstractContextManager["Session"]):
         That share a rank's work.
     stall_timeout : float
         Seconds until a frame without progress fails, or a rank that the others wait for is named on stderr.
+    visualisation_ranks : int
+        The first so many ranks are set aside to draw and have no blocks; the others never wait for a picture.
 
     Blocks are kept until they are replaced. A picture has the same bits for any blocks, ranks and layout.
     """
 
-    def __init__(self, comm: Any = None, layout: Any = None, threads: int = 1, stall_timeout: float = 60.0) -> None:
+    def __init__(
+        self,
+        comm: Any = None,
+        layout: Any = None,
+        threads: int = 1,
+        stall_timeout: float = 60.0,
+        visualisation_ranks: int = 0,
+    ) -> None:
         words: list[str] = []
         self._problem: Optional[Exception] = None
         try:
             words = _layout_words(layout)
             threads, stall_timeout = operator.index(threads), float(stall_timeout)
+            visualisation_ranks = operator.index(visualisation_ranks)
         except Exception as problem:
-            self._problem, threads, stall_timeout = problem, 1, 60.0
+            self._problem, threads, stall_timeout, visualisation_ranks = problem, 1, 60.0, 0
         connected = None if comm is None else _connect(comm)
         self._cores: list[Any] = []
         with self._together():
-            self._cores.append(_core.BlockSession(connected, words, threads, stall_timeout, _text(self._problem)))
+            problem = _text(self._problem)
+            self._cores.append(_core.BlockSession(connected, words, threads, stall_timeout, visualisation_ranks, problem))
         self._type: Optional[str] = None
         self._blocks: list[np.ndarray] = []
         # Before the interpreter ends, as MPI may be finalised when its last objects go.
@@ -143,6 +154,11 @@ class Session(contextlib.AbstractContextManager["Session"]):
     def ranks(self) -> int:
         """How many processes share the volume."""
         return self._open().ranks
+
+    @property
+    def visualises(self) -> bool:
+        """This rank is set aside to draw."""
+        return self._open().visualises
 
     @_by_itself
     def set_grid(
@@ -306,6 +322,11 @@ class Session(contextlib.AbstractContextManager["Session"]):
         Collective."""
         with self._together():
             return dict(self._open().show(step, time))
+
+    def visualise(self) -> None:
+        """On ranks that are set aside, after serve(): draws what pages want, until the others close() their sessions."""
+        with self._together():
+            self._open().visualise()
 
     def close(self) -> None:
         """Lets go of the volume and of the communicator's duplicate. Collective."""
