@@ -68,11 +68,15 @@ std::vector<DrawnChannel> find_channels(VolumeOptions volume, const std::string&
         fmt::format("name at most {}, such as 0,1,2", most_channels));
   std::vector<ChannelNotes> said;
   std::vector<DrawnChannel> channels;
+  std::set<std::int64_t> taken;
   for (const std::string& word : words) {
     open(word);  // it says which channels there are where this is none
     DrawnChannel& channel = channels.emplace_back();
     channel.choice = volume.choice.channel;
     const auto index = detail::find_channel(channel.choice, notes.channels, notes.of_channels);
+    if (index && !taken.insert(*index).second)
+      throw InputError(fmt::format("--channel {}: channel {} is there twice", wanted, channel.choice),
+                       "name each once");
     const bool known = index && std::size_t(*index) < notes.of_channels.size();
     said.push_back(known ? notes.of_channels[std::size_t(*index)] : ChannelNotes{});
     channel.name = said.back().name.empty() ? "channel " + channel.choice : excerpt(said.back().name);

@@ -88,6 +88,8 @@ class PathReader {
     }
     const Camera view = line[first] == '{' ? from_json(line, where, defaults_)
                                            : from_columns(line, where, columns_, defaults_);
+    if (!(view.zoom > 0))
+      throw InputError(fmt::format("{}: the zoom {:g} is not positive", where, view.zoom), path_line_hint);
     view_came_ = true;
     return view;
   }

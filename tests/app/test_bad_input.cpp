@@ -225,7 +225,7 @@ const std::vector<Case> small_file_cases{
     {"+ --path {in}/empty_folder", "empty_folder"},
     {"+ --path {in}/bad_path.csv", "bad_path.csv:2"},
     {"+ --path {in}/empty_path.csv", "no view"},
-    {"+ --path {in}/zero_zoom_path.csv", "frame 1"},
+    {"+ --path {in}/zero_zoom_path.csv", "zero_zoom_path.csv:2: the zoom 0"},
     {"+ --config {in}/missing.toml", "missing.toml"},
     {"+ --config {in}/unknown_key.toml", "gpss", true},
 };

@@ -154,6 +154,7 @@ TEST_CASE("what several channels cannot have is refused in a line") {
     check_refused(stacks.run("0,1", {option}), option + " is for one");
   check_refused(stacks.run("all", {"--error", "method"}), "--error is for one");
   check_refused(stacks.run("0,2"), "no such channel");
+  check_refused(stacks.run("1,0,1"), "channel 1 is there twice");
   check_refused(stacks.run("0,1=mauve"), "'mauve' is no colour");
   check_refused(run_program({"info", stacks.file(2), "--channel", "all"}), "shows one channel");
   for (const Words& words : {Words{"serve", stacks.file(7)}, {"render", stacks.file(7), "-o", "y.png"}})
