@@ -207,8 +207,6 @@ struct Live::State {
       if (came->want == Want::end) break;
       take_values(session, came->values, offered);
       begin(came->step, came->time, came->steps);
-      const std::lock_guard lock(telling);
-      steps_wanted = std::max(steps_wanted - came->steps, 0);
     }
     if (given == Want::nothing) ask();
     return given != Want::nothing;
@@ -216,10 +214,10 @@ struct Live::State {
 
   /// What to ask for next.
   Want question() {
-    const bool stale = now_seconds() - told >= soon;
+    const bool stale = now_seconds() - told >= soon, looked_at = viewer->has_pages();
     const std::lock_guard lock(telling);
-    if (!viewer->has_pages()) run.paused = false;  // whoever paused it is gone
-    if (run.paused && steps_wanted <= 1) return Want::hold;
+    if (!looked_at) run.paused = false;  // whoever paused it is gone
+    if (run.paused) return Want::hold;
     if (std::ranges::find(set_by_page, true) != set_by_page.end()) return Want::news;
     if (!viewer->has_pages()) return Want::nothing;
     return pictures > 0 ? Want::step : stale ? Want::news : Want::nothing;
@@ -232,6 +230,8 @@ struct Live::State {
     const std::lock_guard lock(telling);
     const Letter letter{want, take_set(), std::exchange(waiting, false)};
     asked = want;
+    // Before the step is told, so that none that is wanted then is lost.
+    if (waiting) steps_wanted = std::max(steps_wanted - 1, 0);
     for (int rank = simulation(); rank < (letter.lets_go ? session.ranks() : simulation() + 1); ++rank)
       post->send(rank, letter);
   }
