@@ -1,6 +1,5 @@
 #include "live/hand_over.hpp"
 
-#include "base/clock.hpp"
 #include "net/blocks.hpp"
 
 namespace ringsplat {
@@ -42,8 +41,7 @@ HandOver::HandOver(Session& session, double share)
       ranks_(SessionParts::collectives(session)),
       post_(session),
       answers_(ranks_.process() == 0),
-      share_(share),
-      left_(now_seconds()) {}
+      share_(share) {}
 
 HandOver::~HandOver() {
   if (!answers_) return;
@@ -56,12 +54,12 @@ Letter HandOver::next_question() {
   while (auto next = post_.receive())
     if (next->want >= question_.want) question_ = std::move(*next);
   Letter next = std::exchange(question_, {});
-  if (next.want == Want::step && debt_ > 0) next.want = Want::news;
+  if (next.want == Want::step && share_.debt() > 0) next.want = Want::news;
   return next;
 }
 
 void HandOver::show(std::int64_t step, double time, std::span<double* const> offered) {
-  debt_ = std::max(0.0, debt_ - share_ * (now_seconds() - left_));
+  share_.step_ends();
   ++steps_;
   Letter letter;
   if (answers_) letter = next_question();
@@ -75,13 +73,13 @@ void HandOver::show(std::int64_t step, double time, std::span<double* const> off
   }
   const double begin = now_seconds();
   if (letter.want >= Want::step) session_.commit();
-  if (letter.want == Want::step) debt_ += now_seconds() - begin;
+  if (letter.want == Want::step) share_.spend(now_seconds() - begin);
   if (letter.want == Want::hold) {
     do question_ = post_.wait_for_letter();
     while (!question_.lets_go);
     take_values(session_, question_.values, offered);
   }
-  left_ = now_seconds();
+  share_.step_begins();
 }
 
 }  // namespace ringsplat

@@ -1,8 +1,10 @@
 #pragma once
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "session/render_frames.hpp"
 
 namespace ringsplat {
@@ -43,6 +45,19 @@ class Post {
 /// Sets what is offered to what rank 0 says. The session's next collective call throws when that has others.
 void take_values(Session& session, std::span<const double> values, std::span<double* const> offered);
 
+/// What pictures may hold a simulation up for: a part of the time that it takes itself.
+class TimeShare {
+ public:
+  explicit TimeShare(double part) : part_(part) {}
+  void step_ends() { debt_ = std::max(0.0, debt_ - part_ * (now_seconds() - begun_)); }
+  void spend(double seconds) { debt_ += seconds; }
+  void step_begins() { begun_ = now_seconds(); }
+  double debt() const { return debt_; }  ///< seconds spent beyond the share
+
+ private:
+  double part_, debt_ = 0, begun_ = now_seconds();
+};
+
 /// A simulation's rank where others are set aside to draw: it hands its blocks over after those steps that
 /// they ask for. While they ask for nothing a step costs one broadcast of a few bytes.
 class HandOver {
@@ -63,11 +78,9 @@ class HandOver {
   Collectives& ranks_;  ///< the simulation's
   Post post_;
   const bool answers_;  ///< the first rank
-  const double share_;
+  TimeShare share_;
   Letter question_;  ///< not yet answered
   int steps_ = 0;    ///< since the last answer
-  double debt_ = 0;  ///< seconds taken beyond the share
-  double left_;      ///< when show() last returned
 };
 
 }  // namespace ringsplat

@@ -46,7 +46,7 @@ FrameSpec first_frame(const LiveOptions& options, const ValueStatistics& values)
 
 struct Live::State {
   State(Session& session_, const LiveOptions& options) : session(session_), share(options.share) {
-    if (!SessionParts::draws(session)) hand_over.emplace(session, share);
+    if (!SessionParts::draws(session)) hand_over.emplace(session, options.share);
     if (session.visualises()) post.emplace(session);
     agree_after(SessionParts::all(session).collectives(), [&] {
       if (hand_over) return;
@@ -142,7 +142,6 @@ struct Live::State {
   }
 
   void begin(std::int64_t step, double time, int steps_taken = 1) {
-    debt = std::max(0.0, debt - share * (now_seconds() - left));
     steps += steps_taken;
     const double passed = now_seconds() - told;
     {
@@ -160,7 +159,7 @@ struct Live::State {
 
   Act decide() {
     if (holds()) return Act::hold;
-    if (debt > (viewer->has_newcomer() ? most_debt_of_first : 0)) return Act::go_on;
+    if (share.debt() > (viewer->has_newcomer() ? most_debt_of_first : 0)) return Act::go_on;
     if (viewer->has_requests()) return Act::answer;
     viewer->renewed(range, true);
     director = viewer->director();
@@ -181,17 +180,20 @@ struct Live::State {
     return to_bytes(act, take_set());
   }
 
-  /// Draws what pages want while they hold the simulation, or until all is answered.
+  /// Draws what pages want as long as that may go on.
+  Director frames_while(const std::function<bool()>& goes_on) {
+    Director frames = viewer->director();
+    frames.may_come = [goes_on, may_come = frames.may_come] { return goes_on() && may_come(); };
+    frames.next_picture = [goes_on, next = frames.next_picture] {
+      return goes_on() ? next() : std::vector<VolumeFrame>();
+    };
+    return frames;
+  }
+
+  /// While they hold the simulation, or until all is answered.
   Director held_frames(Act act) {
-    Director held = viewer->director();
-    const auto holds = [this, act] {
-      return viewer->has_pages() && (act == Act::hold ? this->holds() : viewer->has_requests());
-    };
-    held.may_come = [holds, may_come = held.may_come] { return holds() && may_come(); };
-    held.next_picture = [holds, next = held.next_picture] {
-      return holds() ? next() : std::vector<VolumeFrame>();
-    };
-    return held;
+    return frames_while(
+        [this, act] { return viewer->has_pages() && (act == Act::hold ? holds() : viewer->has_requests()); });
   }
 
   // On rank 0 of those that are set aside.
@@ -219,7 +221,7 @@ struct Live::State {
     if (!looked_at) run.paused = false;  // whoever paused it is gone
     if (run.paused) return Want::hold;
     if (std::ranges::find(set_by_page, true) != set_by_page.end()) return Want::news;
-    if (!viewer->has_pages()) return Want::nothing;
+    if (!looked_at) return Want::nothing;
     return pictures > 0 ? Want::step : stale ? Want::news : Want::nothing;
   }
 
@@ -228,10 +230,10 @@ struct Live::State {
     const Want want = question();
     if (waiting ? holds() : want <= asked || (asked != Want::nothing && want != Want::hold)) return;
     const std::lock_guard lock(telling);
-    const Letter letter{want, take_set(), std::exchange(waiting, false)};
-    asked = want;
     // Before the step is told, so that none that is wanted then is lost.
     if (waiting) steps_wanted = std::max(steps_wanted - 1, 0);
+    const Letter letter{want, take_set(), std::exchange(waiting, false)};
+    asked = want;
     for (int rank = simulation(); rank < (letter.lets_go ? session.ranks() : simulation() + 1); ++rank)
       post->send(rank, letter);
   }
@@ -239,12 +241,8 @@ struct Live::State {
   /// Draws what pages want of the step that was given last, first as of views that move. For another one a
   /// view's picture that is not drawn is dropped.
   Director frames_of_step() {
-    Director frames = viewer->director();
+    Director frames = frames_while([this] { return !heard(); });
     frames.pause = {};  // it would not end when messages come
-    frames.may_come = [this, may_come = frames.may_come] { return !heard() && may_come(); };
-    frames.next_picture = [this, next = frames.next_picture] {
-      return heard() ? std::vector<VolumeFrame>() : next();
-    };
     frames.unwanted = [this, unwanted = frames.unwanted](const FrameSpec& spec) {
       return unwanted(spec) || (given != Want::nothing && !viewer->has_requests());
     };
@@ -313,9 +311,7 @@ struct Live::State {
   std::optional<HandOver> hand_over;  ///< where others draw
 
   // Rank 0's.
-  const double share;               ///< of the simulation's own time that pictures may take
-  double debt = 0;                  ///< seconds that they have taken beyond that
-  double left = now_seconds();      ///< when show() last returned
+  TimeShare share;
   std::mutex telling;               ///< guards what pages are told and want
   RunState run;                     ///< its parameters in the order in which they were offered
   std::vector<bool> set_by_page;    ///< which of them have values that the program has not yet taken
@@ -350,6 +346,7 @@ void Live::offer(const std::string& name, double& value, const std::vector<std::
 void Live::show(std::int64_t step, double time) {
   State& s = *state_;
   if (s.hand_over) return s.hand_over->show(step, time, s.offered);
+  s.share.step_ends();
   if (s.viewer) s.begin(step, time);
   bool committed = false;
   while (true) {
@@ -366,12 +363,12 @@ void Live::show(std::int64_t step, double time) {
       SessionParts::render(s.session, frames, s.director.frame_done);
     }
     if (act == Act::hold) continue;
-    s.debt += now_seconds() - begin;
+    s.share.spend(now_seconds() - begin);
     break;
   }
   const std::lock_guard lock(s.telling);
   s.steps_wanted = std::max(s.steps_wanted - 1, 0);
-  s.left = now_seconds();
+  s.share.step_begins();
 }
 
 void Live::visualise() {
