@@ -276,7 +276,7 @@ Scene load(const Job& job, OpenedVolume& volume, Progress& progress, Launch& lau
     progress.at(part);
     if (in_step && job.load.told) job.load.told(part, true);
   };
-  Scene scene = load_scene(volume, told, job.layout, launch.wiring(job.options.run.loopback));
+  Scene scene = load_scene(volume, told, job.layout, launch.wiring(job.options.run.poll));
   progress.end();
   volume.source.reset();
   const auto& mask = job.options.volume.mask.path;
@@ -290,7 +290,7 @@ void render_all(const Job& job, const ProtocolOptions& protocol, Scene scene, Di
   const RunOptions& run = job.options.run;
   try {
     if (protocol.trace) protocol.trace->compare_clocks(launch.collectives());
-    render_frames(std::move(scene), job.layout, protocol, std::move(director), launch.wiring(run.loopback),
+    render_frames(std::move(scene), job.layout, protocol, std::move(director), launch.wiring(run.poll),
                   run.engine);
   } catch (const InputError& e) {
     throw RunError(e.what());

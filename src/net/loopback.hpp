@@ -13,7 +13,7 @@ namespace ringsplat {
 
 struct Link;
 
-/// What a study or a test of a run puts between a rank's nodes and the network.
+/// What a test of a run puts between a rank's nodes and the network.
 struct Between {
   /// Stands between links and nodes; empty: nothing does.
   std::function<std::unique_ptr<Transport>(Transport& links)> pace = {};

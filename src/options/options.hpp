@@ -11,7 +11,6 @@
 
 #include "formats/label_notes.hpp"
 #include "frame/quality.hpp"
-#include "net/loopback.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
@@ -77,8 +76,8 @@ struct RunOptions {
   std::optional<int> threads_per_rank;  ///< without it the rank's share of the cores
   EngineOptions engine;                 ///< its threads are settled when the ranks' cores are known
   SimulationOptions simulation;
-  LoopbackOptions loopback;
-  std::string machine;  ///< a file; empty: none. Read into `simulation`.
+  std::function<void()> poll = {};  ///< in one process: called between turns; may throw to end the run
+  std::string machine;              ///< a file; empty: none. Read into `simulation`.
 };
 
 /// One of several views: azimuth, elevation, roll and zoom that it has instead of the options' camera's.

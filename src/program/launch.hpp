@@ -44,7 +44,7 @@ class Launch {
     if (over_mpi() && !transport_) transport_ = session_->make_transport();
     return transport_.get();
   }
-  Wiring wiring(const LoopbackOptions& loopback) { return {collectives(), transport(), loopback}; }
+  Wiring wiring(const std::function<void()>& poll) { return {collectives(), transport(), {.poll = poll}}; }
 
   /// Throws InputError on all ranks, with both builds, when one runs another build than rank 0. Must be the
   /// ranks' first exchange.

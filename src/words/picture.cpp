@@ -139,7 +139,7 @@ Picture picture_of(FrameResult&& result, const app::RenderOptions& options, cons
 std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& hooks) {
   const PlainFloats floats;
   options.volume = polled(options.volume, hooks);
-  options.run.loopback.poll = hooks.poll;
+  options.run.poll = hooks.poll;
   app::Launch launch;
   const auto at = [&hooks](const std::string& what, double done, double total) {
     if (hooks.poll) hooks.poll();
