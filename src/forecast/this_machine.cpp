@@ -119,34 +119,32 @@ Spent measured_ratio(const Method& how) {
 /// What GPs and Renderers spend on splats, then on sheets.
 using Speed = std::array<double, 4>;
 
-/// Identifies this build, as one version may be built more than once, on this host.
-json build_and_host() {
+/// Identifies this build, as one version may be built more than once, on this host, as JSON.
+std::string build_and_host() {
   const fs::path program = "/proc/self/exe";
   std::error_code ignored;  // zeros when it cannot be read
   const json build{{"bytes", fs::file_size(program, ignored)},
                    {"changed", fs::last_write_time(program, ignored).time_since_epoch().count()},
                    {"version", build_id()}};
-  return {{"program", build}, {"host", host_name()}};
+  return json{{"program", build}, {"host", host_name()}}.dump(-1, ' ', false, json::error_handler_t::replace);
 }
-
-std::string text_of(const json& key) { return key.dump(-1, ' ', false, json::error_handler_t::replace); }
 
 /// In the user's cache folder (XDG base directory specification, which says to ignore a relative
 /// XDG_CACHE_HOME); empty without a home folder.
-fs::path file_for(const json& key) {
+fs::path file_for(const std::string& key) {
   const char *const cache = std::getenv("XDG_CACHE_HOME"), *const home = std::getenv("HOME");
   const bool has_cache = cache != nullptr && fs::path(cache).is_absolute();
   if (!has_cache && (home == nullptr || *home == '\0')) return {};
   const fs::path folder = has_cache ? fs::path(cache) : fs::path(home) / ".cache";
-  return folder / "ringsplat" / fmt::format("machine-{:016x}.json", std::hash<std::string>{}(text_of(key)));
+  return folder / "ringsplat" / fmt::format("machine-{:016x}.json", std::hash<std::string>{}(key));
 }
 
 /// Nothing when there is no such file, or when it cannot be understood, of which it warns.
-std::optional<Speed> kept_speed(const fs::path& file, const json& key) try {
+std::optional<Speed> kept_speed(const fs::path& file, const std::string& key) try {
   std::ifstream in(file, std::ios::binary);
   if (!in) return {};
   const json stored = json::parse(in);
-  if (stored.at("key") != json::parse(text_of(key))) throw std::domain_error("it is of something else");
+  if (stored.at("key") != key) throw std::domain_error("it is of something else");
   const auto speed = stored.at("measured").get<Speed>();
   if (!std::ranges::all_of(speed, [](double n) { return n > 0 && n < 1e6; }))
     throw std::domain_error("a measurement in it is impossible");
@@ -157,17 +155,17 @@ std::optional<Speed> kept_speed(const fs::path& file, const json& key) try {
 }
 
 /// Only warns on failure: the next run then measures again.
-void keep(const fs::path& file, const json& key, const Speed& speed) try {
+void keep(const fs::path& file, const std::string& key, const Speed& speed) try {
   if (file.empty()) return;
   fs::create_directories(file.parent_path());
-  write_text(file, json{{"key", json::parse(text_of(key))}, {"measured", speed}}.dump(1) + "\n");
+  write_text(file, json{{"key", key}, {"measured", speed}}.dump(1) + "\n");
 } catch (const std::exception& e) {
   log_warning("the machine cannot be kept for the next run: {}; hint: XDG_CACHE_HOME says where", e.what());
 }
 
 /// Of this build on this host it is measured once.
 Speed known_speed() {
-  const json key = build_and_host();
+  const std::string key = build_and_host();
   const fs::path file = file_for(key);
   if (const auto kept = kept_speed(file, key)) return *kept;
   log_info("measuring what a core of this machine does");

@@ -36,8 +36,6 @@ constexpr Shortcuts ladder[] = {{0, on_screen(4, 2)},
                                 {1.0 / 32, in_plane(1, 1, 1)},
                                 {1.0 / 128, in_plane(1, 1, 1), 2},
                                 {1.0 / 128, in_plane(1, 1, 1), 4}};
-constexpr int exact_slabs = 4;
-
 constexpr double same_time = 1.03;
 
 truth::Rgba colour_of(const float* pixel) { return {pixel[0], pixel[1], pixel[2], pixel[3]}; }
@@ -147,15 +145,14 @@ std::string to_text(const Shortcuts& s) {
 std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& o) {
   const Sheets& asked = frame.as<Sheets>();
   const auto fixed = [&o](const char* option) { return o.fixed.contains(option); };
-  // More slabs than asked for are nearer to the field, though not to the method.
-  const int most_slabs = o.to_field ? std::max(exact_slabs, asked.slabs) : asked.slabs;
   const double threshold = frame.shown.opaque_threshold;
   std::vector<Shortcuts> all{
       {fixed("--opaque-threshold") ? threshold : 0, asked, frame.shown.reduction.factor}};
   for (const Shortcuts& rung : ladder) {
     Shortcuts s{fixed("--opaque-threshold") ? threshold : rung.opaque_threshold, asked,
                 fixed("--undersample") ? all.front().undersample : rung.undersample};
-    if (!fixed("--slabs")) s.how.slabs = std::min(rung.how.slabs, most_slabs);
+    // More slabs than asked for are nearer to the field, though not to the method.
+    if (!fixed("--slabs")) s.how.slabs = o.to_field ? rung.how.slabs : std::min(rung.how.slabs, asked.slabs);
     if (!fixed("--light-points") && frame.shown.shading == Shading::phong)
       s.how.light_points = rung.how.light_points;
     if (!fixed("--image-plane")) {
