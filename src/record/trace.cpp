@@ -1,7 +1,6 @@
 #include "record/trace.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "base/archive.hpp"
@@ -26,20 +25,6 @@ bool is_waiting(Activity a) { return a == Activity::wait_for_token || a == Activ
 bool continues(const Span& last, Activity activity, std::int64_t frame, std::int32_t step, double begin) {
   return last.activity == activity && last.frame == frame && last.step == step &&
          begin - last.end <= NodeTrace::longest_gap;
-}
-
-/// Checks that a received record keeps all later sums and tables within their bounds.
-bool is_sound(const NodeRecord& record) {
-  constexpr double longest = 4e9;  // seconds; twice as many would not fit into 64 bits as nanoseconds
-  constexpr std::int32_t most_nodes = 1 << 24;
-  const auto is_time = [](double seconds) { return std::abs(seconds) <= longest; };
-  const auto is_span = [&](const Span& s) {
-    return is_time(s.begin) && is_time(s.end) && is_time(s.busy) && s.activity <= Activity::frame;
-  };
-  const auto is_mark = [&](const Mark& m) { return is_time(m.time) && m.moment <= Moment::take_payload; };
-  return record.node.role < Role::host && record.node.index >= 0 && record.node.index < most_nodes &&
-         std::all_of(record.spans.begin(), record.spans.end(), is_span) &&
-         std::all_of(record.marks.begin(), record.marks.end(), is_mark);
 }
 
 }  // namespace
@@ -102,10 +87,7 @@ Trace::Gathered Trace::gather(Collectives& collectives) const {
   Gathered all;
   for (std::size_t p = 0; p < in.size(); ++p) {
     std::vector<NodeRecord> nodes;
-    FromBytes archive(in[p]);
-    archive(all.offsets.emplace_back(), nodes);
-    if (!archive.ok() || !archive.at_end() || !std::ranges::all_of(nodes, is_sound))
-      throw OtherBuild(fmt::format("rank {} sent a broken record of what it did", p));
+    read_block(in[p], "what it did", all.offsets.emplace_back(), nodes);
     std::ranges::move(nodes, std::back_inserter(all.nodes));
   }
   return all;

@@ -9,7 +9,6 @@
 #include "fuzz/small_scene.hpp"
 #include "net/mesh.hpp"
 #include "net/message.hpp"
-#include "record/trace.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/scenes.hpp"
 
@@ -161,41 +160,6 @@ std::vector<Input> link_counts_seeds() {
   return seeds;
 }
 
-Trace a_trace() {
-  Trace trace;
-  NodeTrace* const gp = trace.of({Role::gp, 0});
-  gp->add(Activity::slice, 0, 3, 1.0, 1.5);
-  gp->add(Activity::send, 0, 3, 1.5, 1.6);
-  gp->mark(Moment::pass_token, 0, 4, 0, 1.6);
-  NodeTrace* const renderer = trace.of({Role::renderer, 0});
-  renderer->add(Activity::draw, 0, 3, 1.7, 1.8);
-  renderer->mark(Moment::take_payload, 0, 3, 0, 1.65);
-  return trace;
-}
-
-/// Input: a choice of process, then the other one's messages when records are gathered or clocks are
-/// compared.
-void run_trace(std::span<const std::byte> input) {
-  const bool gathers = take_choice(input) % 2 == 0;
-  Trace trace = a_trace();
-  OtherProcess collectives(gathers ? 0 : 1, input);
-  if (gathers)
-    static_cast<void>(to_chrome_trace(trace.gather(collectives), Layout{2, 2}));
-  else
-    trace.compare_clocks(collectives);
-}
-
-std::vector<Input> trace_seeds() {
-  OtherProcess gathering(1, {}), comparing(0, {});
-  static_cast<void>(a_trace().gather(gathering));
-  a_trace().compare_clocks(comparing);
-  Input records(1, '\0'), clock(1, '\1');
-  append_part(records, gathering.sent.front());
-  for (int round = 0; round < 16; ++round) append_part(clock, {});
-  append_part(clock, comparing.sent.front());
-  return {records, clock};
-}
-
 }  // namespace
 
 std::vector<Driver> message_drivers() {
@@ -203,8 +167,7 @@ std::vector<Driver> message_drivers() {
           {"frame_spec", run_frame_spec, frame_spec_seeds, {}, 1000},
           {"payload", run_payload, payload_seeds, {}, 1500},
           {"opaque_news", run_opaque_news, opaque_news_seeds, {}, 700},
-          {"link_counts", run_link_counts, link_counts_seeds, {}, 10000},
-          {"trace", run_trace, trace_seeds, {}, 6000}};
+          {"link_counts", run_link_counts, link_counts_seeds, {}, 10000}};
 }
 
 }  // namespace ringsplat::fuzz
