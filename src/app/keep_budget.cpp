@@ -3,7 +3,6 @@
 #include "app/render_job.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
-#include "options/option_values.hpp"
 #include "study/calibration.hpp"
 
 namespace ringsplat::app {

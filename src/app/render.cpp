@@ -4,7 +4,6 @@
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
 #include "app/render_job.hpp"
-#include "app/views.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "net/launcher.hpp"

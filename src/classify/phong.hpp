@@ -9,7 +9,6 @@
 #include "classify/classifier.hpp"
 #include "classify/normals.hpp"
 #include "ringsplat/classify/material.hpp"
-#include "ringsplat/classify/transfer_function.hpp"
 
 namespace ringsplat {
 

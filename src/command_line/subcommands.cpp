@@ -5,7 +5,6 @@
 
 #include "base/text.hpp"
 #include "options/option_tables.hpp"
-#include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/access.hpp"

@@ -6,7 +6,6 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <type_traits>
-#include <utility>
 
 #include "base/archive.hpp"
 #include "frame/frame_fields.hpp"

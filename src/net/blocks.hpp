@@ -9,7 +9,6 @@
 
 #include "base/archive.hpp"
 #include "net/collectives.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 

@@ -1,6 +1,5 @@
 #include "options/contradictions.hpp"
 
-#include "options/option_values.hpp"
 #include "options/options.hpp"
 #include "ringsplat/base/error.hpp"
 

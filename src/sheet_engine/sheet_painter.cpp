@@ -8,7 +8,6 @@
 #include "engine_parts/frame_engine.hpp"
 #include "net/message.hpp"
 #include "protocol/joined_step.hpp"
-#include "ringsplat/base/error.hpp"
 #include "sheet_engine/layers.hpp"
 #include "sheet_engine/painted_volume.hpp"
 #include "sheet_engine/sheet_engine.hpp"

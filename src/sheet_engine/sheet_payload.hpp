@@ -3,7 +3,6 @@
 #include <span>
 #include <vector>
 
-#include "ringsplat/base/bytes.hpp"
 #include "ringsplat/volume/grid.hpp"
 
 namespace ringsplat {

@@ -2,7 +2,6 @@
 #include <bit>
 #include <memory>
 #include <optional>
-#include <set>
 #include <utility>
 #include <vector>
 
