@@ -46,8 +46,9 @@ def truth_of(scene, folder, size, store):
         if scene.truth:
             picture = closed_form(scene, size)
             off = numpy.abs(certified(scene, folder, SMALL) - closed_form(scene, SMALL)).max() / LEVEL
-            if off > widest / 2 + 1e-4:
-                raise SystemExit(f"{scene.name}: the closed form is {off:.4f}/255 from the middle of bounds {widest:.4f}/255 wide")
+            wide = widest_bounds(scene, folder, SMALL)
+            if off > wide / 2 + 1e-4:
+                raise SystemExit(f"{scene.name}: the closed form is {off:.4f}/255 from the middle of bounds {wide:.4f}/255 wide")
             source = "closed form"
         else:
             picture, source, off = certified(scene, folder, size), "certified", None

@@ -80,9 +80,7 @@ class Certifier : EnclosedTracer {
     const auto line = [&](double value) { return lines_.line_of(value); };
     if (line(values->low - extra) == line(values->high + extra))
       return look(sight.stretches.size() - 1, 0, 1, sight);
-    const auto value_at = [&](double part) {
-      return median(series_of<0>(sight.stretches.back().value, Interval(part), 0)[0]);
-    };
+    const auto value_at = [&](double part) { return about(sight.stretches.back().value, part)[0].middle; };
     const std::vector<double> cuts = cuts_at_knots(cubic_along(0, 1, value_at), curve_.knots());
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
       if (cuts[i] < cuts[i + 1]) look(sight.stretches.size() - 1, cuts[i], cuts[i + 1], sight);
@@ -90,16 +88,15 @@ class Certifier : EnclosedTracer {
 
   /// `front`: what is let through before it.
   Piece piece_of(Sight& sight, std::size_t stretch, double from, double to, double front) const {
-    const CellMedium& medium = sight.stretches[stretch];
-    const Part part(medium.length_of_passage, from, to);
+    const Part part(sight.stretches[stretch].length_of_passage, from, to);
+    const CellMedium medium = about(sight.stretches[stretch], part.middle);
     const Extremes extremes = extremes_of(lines_, medium, part);
     EnclosedPiece known = between(extremes, part);
     --sight.pieces_left;
     constexpr double negligible = 0.003;
-    if (front * known.width() > negligible * width_) {
-      const auto smooth = expanded(lines_, medium, extremes, part);
-      if (smooth && smooth->width() < known.width()) known = *smooth;
-    }
+    if (front * known.width() > negligible * width_)
+      if (const auto smooth = expanded(lines_, medium, extremes, part))
+        known = smooth->width() < known.width() ? *smooth : of_mean(*known.mean_of, smooth->transmittance);
     constexpr double shortest = 1e-8;  // of a passage: values are not known more exactly
     return {known, stretch, from, to, to - from < shortest};
   }

@@ -19,7 +19,8 @@ class EnclosedCurve {
     double middle;
     Channels y, slope;
     Interval at(std::size_t channel, const Interval& value) const {
-      return with_product(y[channel], slope[channel], value - middle);
+      const Interval& rise = slope[channel];
+      return rise.lower() == 0 && rise.upper() == 0 ? y[channel] : y[channel] + rise * (value - middle);
     }
   };
 

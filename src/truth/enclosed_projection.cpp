@@ -20,7 +20,7 @@ EnclosedPiece either(const EnclosedPiece& one, const EnclosedPiece& other) {
   return all;
 }
 
-Cubic middle_of(const Polynomial& p) { return {{median(p[0]), median(p[1]), median(p[2]), median(p[3])}}; }
+Cubic middle_of(const Polynomial& p) { return {{p[0].middle, p[1].middle, p[2].middle, p[3].middle}}; }
 
 /// Adds the place where a cubic's slope turns to those that are between 0 and 1, ascending.
 void cut_where_steepest(std::vector<double>& cuts, const Cubic& cubic) {
@@ -31,8 +31,8 @@ void cut_where_steepest(std::vector<double>& cuts, const Cubic& cubic) {
 /// Bernstein's coefficients over [from, to], between which the polynomial is; the first and the last are its
 /// ends, and the mean of all is its own.
 std::array<Interval, 4> bernstein_of(const Polynomial& p, double from, double to) {
-  const auto a = series_of<1>(p, from, 0), b = series_of<1>(p, to, 0);
-  const Interval third = (Interval(to) - from) / 3.0;
+  const Polynomial a = about(p, from), b = about(p, to);
+  const Ball third = (Ball(to) - from) * one_over(3);
   return {a[0], a[0] + third * a[1], b[0] - third * b[1], b[0]};
 }
 
@@ -61,7 +61,7 @@ class Projector : EnclosedTracer {
   Stretch beside_cells(const LatticeRay& ray, const Passage& passage) const {
     const auto near = values_near(ray, passage);
     const Interval values = near.value_or(values_);
-    return {{values, 0.0, 0.0, 0.0}, values, false, near.has_value()};
+    return {{values}, values, false, near.has_value()};
   }
 
   std::optional<Stretch> in_cell(const Passage& passage) const {
@@ -71,9 +71,9 @@ class Projector : EnclosedTracer {
     Interval values(corners->low, corners->high);
     if (extra > 0) values += within(extra);
     constexpr double largest = 1e250;  // of which sums and products are numbers
-    if (!(largest_of(values) < largest)) return Stretch{{values, 0.0, 0.0, 0.0}, values, false};
+    if (!(largest_of(values) < largest)) return Stretch{{values}, values, false};
     Polynomial value = value_of(*corners, passage);
-    if (extra > 0) value[0] += within(extra);
+    if (extra > 0) value[0] = value[0] + Ball(0, extra);
     return Stretch{value, values, true};
   }
 
@@ -97,7 +97,8 @@ class Projector : EnclosedTracer {
                                           : min(extremum, among_values(-greatest_of({-p0, -p1, -p2, -p3})));
         extremum = s->sure ? further : hull(extremum, further);
       }
-      const Interval part = passage.length * among_values(p0 + p1 / 2.0 + p2 / 3.0 + p3 / 4.0);
+      const Interval part =
+          passage.length * among_values(p0 + p1 * one_over(2) + p2 * one_over(3) + p3 * one_over(4));
       integral += s->sure ? part : hull(part, Interval(0));
       met = hull(met, s->values);
       return true;
@@ -126,8 +127,8 @@ class Projector : EnclosedTracer {
     for_stretches(ray, way, [&](const std::optional<Stretch>& s, const Passage& passage) {
       if (!s) return true;
       Stretch shares = *s;
-      shares.value[0] -= low;
-      for (Interval& c : shares.value) c /= window;
+      shares.value[0] = shares.value[0] - low;
+      for (Ball& c : shares.value) c = c * inverse_of(window);
       const Cubic cubic = middle_of(shares.value);
       std::vector<double> cuts = cuts_at_knots(cubic, {0.0, 1.0});
       cut_where_steepest(cuts, cubic);
@@ -148,7 +149,7 @@ class Projector : EnclosedTracer {
     // Shares outside of the window count as its ends.
     const Interval all = hull(hull(begin, one), hull(end, other)), share = clamped(all, 0, 1);
     const double cut_off = std::max({0.0, -all.lower(), all.upper() - 1});
-    Interval slope = series_of<1>(shares.value, part.middle, part.reach())[1];
+    Interval slope = series_of<1>(about(shares.value, part.middle), part.reach())[1];
     if (cut_off > 0) slope = hull(slope, Interval(0));
     const Interval mean = (begin + one + other + end) / 4.0 + within(cut_off);
     Interval passed = part.length * intersect(mean, share);
@@ -222,7 +223,7 @@ class Projector : EnclosedTracer {
     for_stretches(ray, way, [&](const std::optional<Stretch>& s, const Passage& passage) {
       search.pieces_left = most_pieces;
       if (s && s->in_one_cell && !one_sided(s->values, search))
-        look(s->value, medium_of(ray, passage, *cell_values(scene_, curve_, passage.cell), 0).light, 0, 1,
+        look(medium_of(ray, passage, *cell_values(scene_, curve_, passage.cell), off_cell(passage)), 0, 1,
              search);
       else if (s && !s->in_one_cell && !one_sided(s->values, search))
         see(scene_.shaded() ? EnclosedLight::any(shown_.material) : unlit(), search);
@@ -234,17 +235,17 @@ class Projector : EnclosedTracer {
   }
 
   /// In halves, until these are on one side or too short.
-  void look(const Polynomial& value, const std::optional<EnclosedLight>& light, double from, double to,
-            Search& search) const {
+  void look(const CellMedium& cell, double from, double to, Search& search) const {
     const Part part(1, from, to);
+    const CellMedium here = about(cell, part.middle);
     --search.pieces_left;
-    if (one_sided(series_of<0>(value, part.middle, part.reach())[0], search)) return;
+    if (one_sided(series_of<0>(here.value, part.reach())[0], search)) return;
     constexpr double shortest = 1e-8;
     if (to - from < shortest || search.pieces_left <= 0)
-      return see(light ? light->over(part.middle, part.reach()) : unlit(), search);
+      return see(here.light ? here.light->over(here.normal, part.reach()) : unlit(), search);
     const double middle = 0.5 * (from + to);
-    look(value, light, from, middle, search);
-    if (!search.found) look(value, light, middle, to, search);
+    look(cell, from, middle, search);
+    if (!search.found) look(cell, middle, to, search);
   }
 
   static EnclosedLight::Bounds unlit() { return {1, 0, {}}; }

@@ -109,7 +109,7 @@ class EnclosedTracer : protected Tracer {
     const glm::dvec3 step = glm::abs(ray.step);
     const double voxels = passage.length.upper() * std::max({step.x, step.y, step.z}) + tube;
     const Interval of_cell =
-        series_of<0>(value_of(*cell_values(scene_, curve_, passage.cell), passage), Interval(0.5), 0.5)[0];
+        series_of<0>(about(value_of(*cell_values(scene_, curve_, passage.cell), passage), 0.5), 0.5)[0];
     return clamped(of_cell + within(3 * voxels * width(values_)), around->lower(), around->upper());
   }
 
@@ -119,32 +119,32 @@ class EnclosedTracer : protected Tracer {
   }
 
   Polynomial value_of(const CellValues& values, const Passage& passage) const {
-    if (values.low == values.high) return {Interval(values.low), 0.0, 0.0, 0.0};
-    Corners<Interval> corners;
+    if (values.low == values.high) return {values.low};
+    Corners<Ball> corners;
     std::copy(values.corners.begin(), values.corners.end(), corners.begin());
     return along_passage(corners, passage);
   }
 
   CellMedium medium_of(const LatticeRay& ray, const Passage& passage, const CellValues& values,
                        double extra) const {
-    CellMedium medium{value_of(values, passage), std::nullopt, passage.length, tints_.of(passage.voxel)};
-    if (extra > 0) medium.value[0] += within(extra);
+    CellMedium medium{value_of(values, passage), {}, std::nullopt, passage.length, tints_.of(passage.voxel)};
+    if (extra > 0) medium.value[0] = medium.value[0] + Ball(0, extra);
     if (!scene_.needs_gradients()) return medium;
     const Corners<glm::dvec3> normals = cell_normals(gradients_, passage.cell);
     const bool level = std::ranges::all_of(normals, [](const glm::dvec3& n) { return n == glm::dvec3(0.0); });
-    EnclosedNormal normal;
     for (int k = 0; k < 3; ++k) {
-      Corners<Interval> corners;
+      Corners<Ball> corners;
       for (std::size_t c = 0; c < 8; ++c) {
         constexpr double rounding = 1e-14;
-        corners[c] = normals[c][k] + within(rounding * glm::length(normals[c]));
+        corners[c] = {normals[c][k], rounding * glm::length(normals[c])};
       }
-      normal[std::size_t(k)] = along_passage(corners, passage);
-      normal[std::size_t(k)][0] += within(3 * passage.beside * steepest_);
+      medium.normal[std::size_t(k)] = along_passage(corners, passage);
+      Ball& first = medium.normal[std::size_t(k)][0];
+      first = first + Ball(0, 3 * passage.beside * steepest_);
     }
-    if (const auto& edges = shown_.edges) medium.edge.emplace(*edges, gradients_.unit(), normal);
+    if (const auto& edges = shown_.edges) medium.edge.emplace(*edges, gradients_.unit());
     if (scene_.shaded() && !(level && passage.beside == 0))
-      medium.light.emplace(shown_.material, phong_.to_light(), ray.to_viewer, normal);
+      medium.light.emplace(shown_.material, phong_.to_light(), ray.to_viewer);
     return medium;
   }
 

@@ -38,11 +38,6 @@ using boost::numeric::median, boost::numeric::width;
 /// An interval about 0.
 inline Interval within(double radius) { return {-radius, radius}; }
 inline double largest_of(const Interval& x) { return std::max(std::abs(x.lower()), std::abs(x.upper())); }
-/// x + a · b, without rounding where a factor is zero.
-inline Interval with_product(const Interval& x, const Interval& a, const Interval& b) {
-  const auto is_zero = [](const Interval& factor) { return factor.lower() == 0 && factor.upper() == 0; };
-  return is_zero(a) || is_zero(b) ? x : x + a * b;
-}
 /// What of x lies in [low, high]; the nearer end where nothing does.
 inline Interval clamped(const Interval& x, double low, double high) {
   return {std::clamp(x.lower(), low, high), std::clamp(x.upper(), low, high)};
@@ -61,6 +56,9 @@ inline Interval exp_of(const Interval& x) {
 }
 /// x is above zero.
 inline Interval log_of(const Interval& x) { return moved_outward(std::log(x.lower()), std::log(x.upper())); }
-inline Interval power(const Interval& x, double exponent) { return exp_of(log_of(x) * exponent); }
+inline Interval power(const Interval& x, double exponent) {
+  if (exponent == -0.5) return moved_outward(1 / std::sqrt(x.upper()), 1 / std::sqrt(x.lower()));
+  return exp_of(log_of(x) * exponent);
+}
 
 }  // namespace ringsplat::truth

@@ -102,16 +102,16 @@ Passage passage_between(const Scene& scene, const LatticeRay& ray, const Uncerta
   return p;
 }
 
-Polynomial along_passage(const Corners<Interval>& corners, const Passage& passage) {
+Polynomial along_passage(const Corners<Ball>& corners, const Passage& passage) {
   std::array<Polynomial, 8> level{};
   for (std::size_t c = 0; c < 8; ++c) level[c][0] = corners[c];
   for (std::size_t axis = 0, count = 8; axis < 3; ++axis, count /= 2)
     for (std::size_t c = 0; c < count / 2; ++c) {
       Polynomial mixed = level[2 * c];
       for (std::size_t k = 0; k < 4; ++k) {
-        const Interval apart = level[2 * c + 1][k] - level[2 * c][k];
-        mixed[k] += apart * passage.from[axis];
-        if (k < 3) mixed[k + 1] += apart * passage.change[axis];
+        const Ball apart = level[2 * c + 1][k] - level[2 * c][k];
+        mixed[k] = with_product(mixed[k], apart, passage.from[axis]);
+        if (k < 3) mixed[k + 1] = with_product(mixed[k + 1], apart, passage.change[axis]);
       }
       level[c] = mixed;
     }

@@ -55,6 +55,6 @@ Passage passage_between(const Scene& scene, const LatticeRay& ray, const Uncerta
                         const Uncertain& leave);
 
 /// Interpolation between a cell's corners as a polynomial of the part of the passage.
-Polynomial along_passage(const Corners<Interval>& corners, const Passage& passage);
+Polynomial along_passage(const Corners<Ball>& corners, const Passage& passage);
 
 }  // namespace ringsplat::truth
