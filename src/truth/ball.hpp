@@ -36,11 +36,11 @@ struct Ball {
   }
 
  private:
-  /// With more than the rounding, by at most 2⁻⁵³, of four operations one after another whose results are no
-  /// larger than `size`.
+  /// With twice the rounding of numbers whose sizes come to `size`, and more than that, by at most 2⁻⁵³ each
+  /// time, of the five operations that `by` took.
   static Ball rounded(double about, double by, double size) {
-    constexpr double unit = 0x1p-50;
-    return {about, by + ((by + size) * unit + OutwardRounding::least)};
+    constexpr double five_operations = 0x1p-50;
+    return {about, by + (by * five_operations + (size * OutwardRounding::unit + OutwardRounding::least))};
   }
 };
 

@@ -167,7 +167,7 @@ TEST_CASE("the greatest of a cubic lies within narrow bounds") {
       const long double s = k / 2000.0L;
       most = std::max(most, p[0] + s * (p[1] + s * (p[2] + s * p[3])));
     }
-    wrong += !(found.upper() >= most && found.lower() >= most - 2e-14L && found.lower() < most + 1e-5L);
+    wrong += !(found.upper() >= most && found.lower() >= most - 1e-14L && found.lower() < most + 1e-5L);
     widest = std::max(widest, width(found));
   };
   for (int k = 0; k < 500; ++k) {
