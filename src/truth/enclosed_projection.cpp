@@ -237,12 +237,13 @@ class Projector : EnclosedTracer {
   /// In halves, until these are on one side or too short.
   void look(const CellMedium& cell, double from, double to, Search& search) const {
     const Part part(1, from, to);
-    const CellMedium here = about(cell, part.middle);
     --search.pieces_left;
-    if (one_sided(series_of<0>(here.value, part.reach())[0], search)) return;
+    if (one_sided(series_of<0>(about(cell.value, part.middle), part.reach())[0], search)) return;
     constexpr double shortest = 1e-8;
-    if (to - from < shortest || search.pieces_left <= 0)
+    if (to - from < shortest || search.pieces_left <= 0) {
+      const CellMedium here = about(cell, part.middle);
       return see(here.light ? here.light->over(here.normal, part.reach()) : unlit(), search);
+    }
     const double middle = 0.5 * (from + to);
     look(cell, from, middle, search);
     if (!search.found) look(cell, middle, to, search);
