@@ -1,6 +1,5 @@
 """Pictures have the bits of the program's."""
 
-
 import numpy as np
 import pytest
 import ringsplat as rs
@@ -107,4 +106,3 @@ def test_pictures_over_the_error_budget_are_drawn_again(npy):
     assert all(image.error().rms <= 2 for image in images)
     exact, coarse = ({**image.settings, "camera": 0, "error": 0} for image in (images[2], images[0]))
     assert exact != coarse
-
