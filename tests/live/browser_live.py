@@ -1,5 +1,5 @@
 """A simulation's panel in headless Chromium: examples/heat's heat_live is held, takes a step, a number, and is recorded."""
-import argparse, os, re, shutil, sys, tempfile, zipfile
+import argparse, os, re, shutil, sys, tarfile, tempfile
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.join(HERE, "..", "serve"))
@@ -28,8 +28,8 @@ def held_while_it_runs(page, folder):
     page.click("run-record")
     page.wait("document.getElementById('run-record').textContent === 'Stop (3)'")
     page.js("for (let k = 0; k < 2; ++k) document.getElementById('run-record').click()")
-    with zipfile.ZipFile(wait_for_file(os.path.join(folder, "heat-steps (1).zip"))) as archive:
-        return [int(name[5:11]) for name in archive.namelist()]
+    with tarfile.open(wait_for_file(os.path.join(folder, "heat-steps (1).tar"))) as archive:
+        return [int(name[5:11]) for name in archive.getnames()]
 
 
 def main():
@@ -55,9 +55,9 @@ def main():
         page.click("run-record")
         page.wait("document.getElementById('run-record').textContent === 'Stop (3)'")
         page.click("run-record")
-        with zipfile.ZipFile(wait_for_file(os.path.join(folder, "heat-steps.zip"))) as archive:
-            names = archive.namelist()
-            expect(all(archive.read(name).startswith(b"\x89PNG") for name in names), "no pictures")
+        with tarfile.open(wait_for_file(os.path.join(folder, "heat-steps.tar"))) as archive:
+            names = archive.getnames()
+            expect(all(archive.extractfile(name).read().startswith(b"\x89PNG") for name in names), "no pictures")
         steps = [int(re.fullmatch(r"heat-(\d{6})\.png", name).group(1)) for name in names]
         expect(len(steps) >= 3 and steps == list(range(step + 2, step + 2 + len(steps))), f"{names} after step {step}")
         page.wait("!app.runs.run.paused")

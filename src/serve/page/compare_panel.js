@@ -44,7 +44,7 @@ export class ComparePanel {
     else this.app.scene.change(beside ? { difference: this.gain } : { compare: null, difference: 0 });
   }
 
-  /** Both pictures, and the difference of PNGs where it is shown, for a ZIP; `ask(part)` gets one of another scene. */
+  /** Both pictures, and the difference of PNGs where it is shown, for a TAR; `ask(part)` gets one of another scene. */
   async files(ask, format) {
     const { frame, compare, gain } = this.choice, files = [];
     const add = async (name, blob) => files.push({ name: `${name}.${format}`, bytes: new Uint8Array(await blob.arrayBuffer()) });

@@ -4,7 +4,7 @@ import { byId, download, element, fileStem } from './dom.js';
 import { checkedState } from './scene.js';
 import { sceneAt } from './spline.js';
 import { showError } from './status.js';
-import { mostMembers, zip } from './zip.js';
+import { mostMembers, tar } from './tar.js';
 
 export class FilmPanel {
   constructor(app) {
@@ -87,7 +87,7 @@ export class FilmPanel {
 
   begin(ffmpeg, resumes) {
     byId('film-mp4').disabled = !ffmpeg;
-    byId('film-format').value = ffmpeg ? 'mp4' : 'zip';
+    byId('film-format').value = ffmpeg ? 'mp4' : 'tar';
     // A reload keeps key frames, a new visit in the same tab does not.
     if (!resumes && history.state?.film === this.app.volume.name) this.take(history.state.frames);
   }
@@ -104,7 +104,7 @@ export class FilmPanel {
     const stem = fileStem(this.app.volume.name);
     try {
       if (byId('film-format').value === 'mp4') download(`${stem}.mp4`, await this.movie(width, height, count));
-      else download(`${stem}-frames.zip`, zip(await this.pictures(width, height, count, stem)));
+      else download(`${stem}-frames.tar`, tar(await this.pictures(width, height, count, stem)));
       byId('film-words').textContent = `${count} frames rendered`;
     } catch (error) {
       byId('film-words').textContent = this.job.signal.aborted ? 'cancelled' : '';

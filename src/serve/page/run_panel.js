@@ -3,7 +3,9 @@
 import { byId, download, element, fileStem, onNumber, show } from './dom.js';
 import { showError } from './status.js';
 import { spread } from './transfer_function.js';
-import { mostBytes, mostMembers, zip } from './zip.js';
+import { mostMembers, tar } from './tar.js';
+
+const mostBytes = 2 ** 31;  // of recorded pictures, which are held in memory
 
 export class RunPanel {
   constructor(app) {
@@ -72,7 +74,7 @@ export class RunPanel {
     if (field !== document.activeElement || field.type !== 'number') field.value = show(value, 6);
   }
 
-  /** Holds the simulation and lets it take one step after another: a picture of each, in a ZIP, until it is stopped. */
+  /** Holds the simulation and lets it take one step after another: a picture of each, in a TAR, until it is stopped. */
   async record() {
     if (this.recorded) return void this.stopRecording();
     this.recorded = [];
@@ -89,7 +91,7 @@ export class RunPanel {
         recorded.push({ name: `${stem}-${String(step).padStart(6, '0')}.png`, bytes: new Uint8Array(await blob.arrayBuffer()) });
         say(`Stop (${recorded.length})`);
         bytes += blob.size;
-        if (recorded.length === mostMembers || bytes > mostBytes / 2) break;
+        if (recorded.length === mostMembers || bytes > mostBytes) break;
         this.steer('step');
       }
     } catch (error) {
@@ -98,7 +100,7 @@ export class RunPanel {
     this.steer('resume');
     this.recorded = null;
     say('Record');
-    if (recorded.length) download(`${stem}-steps.zip`, zip(recorded));
+    if (recorded.length) download(`${stem}-steps.tar`, tar(recorded));
   }
   /** Whether what is told of the simulation became as `condition` wants, before recording was stopped. */
   until(condition) {

@@ -3,7 +3,7 @@
 import { byId, download, fileStem } from './dom.js';
 import { checkedState } from './scene.js';
 import { showError } from './status.js';
-import { zip } from './zip.js';
+import { tar } from './tar.js';
 
 export class SnapshotPanel {
   constructor(app) {
@@ -46,7 +46,7 @@ export class SnapshotPanel {
       const ask = async (part) => (await this.app.connection.ask(
         { type: 'snapshot', width, height, format, ruler: state.ruler, state: { ...state, ...part } })).blob;
       if (this.app.compare.choice.compare === null) download(`${stem}.${format}`, await ask({}));
-      else download(`${stem}-compared.zip`, zip(await this.app.compare.files(ask, format)));
+      else download(`${stem}-compared.tar`, tar(await this.app.compare.files(ask, format)));
       byId('snapshot-words').textContent = 'saved';
     } catch (error) {
       byId('snapshot-words').textContent = '';
