@@ -60,7 +60,7 @@ struct Shared {
   std::list<Visitor*> visitors;
   ClientId last_client = 0;
   bool ending = false;
-  asio::io_context io{1};  ///< goes first, with handlers that hold connections
+  asio::io_context io;  ///< goes first, as it holds connections; told of one thread it would reorder posts
 };
 
 /// A page's WebSocket connection.

@@ -158,7 +158,7 @@ void WebServer::send(ClientId id, bool binary, std::shared_ptr<const std::string
 }
 
 void WebServer::end(std::string last_text) {
-  impl_->ends_ = true;  // at once: what threads post may be done in another order
+  impl_->ends_ = true;  // at once: stop() may come before it is done
   asio::post(impl_->shared_.io,
              [this, last = std::make_shared<const std::string>(std::move(last_text))] { impl_->end(last); });
 }
