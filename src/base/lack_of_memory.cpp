@@ -60,6 +60,8 @@ bool has_address_space(std::size_t bytes) {
   return true;
 }
 
-void prepare_for_lack_of_memory() { end_otherwise = std::set_terminate(end_by_exception); }
+void prepare_for_lack_of_memory() {
+  if (end_otherwise == nullptr) end_otherwise = std::set_terminate(end_by_exception);
+}
 
 }  // namespace ringsplat

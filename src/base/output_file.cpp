@@ -109,7 +109,11 @@ class TemporaryFile {
   TemporaryFile(const fs::path& path, std::error_code& error) {
     remove_abandoned_once(folder_of(path));
     descriptor_ = ::open(folder_of(path).c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) make_hidden(path);
+    const auto made = [this](const fs::path& name) {
+      descriptor_ = ::open(name.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      return descriptor_ >= 0;
+    };
+    if (descriptor_ < 0 && hide_beside(path, made)) flock(descriptor_, LOCK_SH | LOCK_NB);
     error = descriptor_ < 0 ? std::error_code(errno, std::generic_category()) : std::error_code();
   }
 
@@ -127,34 +131,27 @@ class TemporaryFile {
   bool close() { return hidden_.empty() || descriptor_ < 0 || ::close(std::exchange(descriptor_, -1)) == 0; }
   /// Keeps the file, under that name. errno says why not.
   bool rename_to(const fs::path& path) {
-    if (hidden_.empty() && !link_hidden(path)) return false;
+    const auto named = [this](const fs::path& name) {
+      const std::string nameless = fmt::format("/proc/self/fd/{}", descriptor_);
+      return ::linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+    };
+    // No file can be given the name of another one, so it gets a hidden one first.
+    if (hidden_.empty() && named(path)) return true;
+    if (hidden_.empty() && !hide_beside(path, named)) return false;
     if (std::rename(hidden_.c_str(), path.c_str()) != 0) return false;
     hidden_.clear();
     return true;
   }
 
  private:
-  void make_hidden(const fs::path& path) {
+  /// False where `make` makes nothing of any hidden name; errno says why.
+  bool hide_beside(const fs::path& path, auto&& make) {
     do {
       hidden_ = hidden_name(path);
-      descriptor_ = ::open(hidden_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    } while (descriptor_ < 0 && errno == EEXIST);
-    if (descriptor_ < 0)
-      hidden_.clear();
-    else
-      flock(descriptor_, LOCK_SH | LOCK_NB);
-  }
-
-  /// No file can be given the name of another one, so it gets a hidden one first.
-  bool link_hidden(const fs::path& path) {
-    const std::string nameless = fmt::format("/proc/self/fd/{}", descriptor_);
-    int linked = -1;
-    do {
-      hidden_ = hidden_name(path);
-      linked = ::linkat(AT_FDCWD, nameless.c_str(), AT_FDCWD, hidden_.c_str(), AT_SYMLINK_FOLLOW);
-    } while (linked != 0 && errno == EEXIST);
-    if (linked != 0) hidden_.clear();
-    return linked == 0;
+      if (make(hidden_)) return true;
+    } while (errno == EEXIST);
+    hidden_.clear();
+    return false;
   }
 
   fs::path hidden_;  ///< empty: the file has no name
