@@ -6,6 +6,7 @@ import time
 from .output import median, ms, print_head, print_row, print_table
 from .run import HEAD, PROGRAM, REPO, Bench, node_seconds, on_ranks, output_of, parser, read_frames, repeat
 
+TABLES = ("typed", "one", "configs")
 QUALITIES = {"best": (), "paper": ("--quality", "paper")}
 
 
@@ -29,16 +30,16 @@ class Command:
 
 
 def ranks(words):
-    """Two tables, medians over the repetitions, which take turns: `ringsplat render tests/data/head.nrrd --orbit 24 -o x.png` without and
-with --quality paper, in one process and on 2, 4, 16 and 64 ranks, all on this machine's cores (typed); the same orbit, without
-pictures, with every file of mpi_configs (configs)."""
+    """Three tables, medians over the repetitions, which take turns: `ringsplat render tests/data/head.nrrd --orbit 24 -o x.png` without and
+with --quality paper, in one process and on 2, 4, 16 and 64 ranks, all on this machine's cores (typed); one picture of the head and of
+it refined to 512³ voxels (one); the same orbit, without pictures, with every file of mpi_configs (configs)."""
     arguments = parser(ranks.__doc__)
     repeat(arguments, 3)
     arguments.add_argument("--ranks", nargs="+", type=int, default=[2, 4, 16, 64], metavar="N")
-    arguments.add_argument("tables", nargs="*", metavar="typed|configs", help="only this one")
+    arguments.add_argument("tables", nargs="*", metavar="|".join(TABLES), help="only this one")
     options = arguments.parse_args(words)
-    tables = options.tables or ["typed", "configs"]
-    if unknown := set(tables) - {"typed", "configs"}:
+    tables = options.tables or TABLES
+    if unknown := set(tables) - set(TABLES):
         arguments.error(f"there is no table {', '.join(unknown)}")
     counts = [0, *options.ranks]  # 0: one process
     typed = {(quality, n): Command() for quality in QUALITIES for n in counts}
@@ -53,22 +54,46 @@ pictures, with every file of mpi_configs (configs)."""
                 for file, command in configs.items():
                     n = int(re.search(r"^# *mpirun -n (\d+) ", file.read_text(), re.M)[1])
                     command.run(bench, n, "--config", file, "--size", "512x512")
+        one = pictures_of_one(bench, counts, options.repeat) if "one" in tables else {}
     if "typed" in tables:
         print_typed(typed)
+    if "one" in tables:
+        print()
+        print_head("`ringsplat render VOLUME -o x.png`", *map(launch, counts))
+        for volume, seconds in one.items():
+            print_row(volume, *(f"{median(seconds[n]):.2f} s" for n in counts))
     if "configs" in tables:
         print()
         print_table(("configuration", "ranks", "GPs + Renderers", "ms a picture"),
                     ((f"`{file.name}`", c.layout["ranks"], c.nodes(), ms(median(c.pictures))) for file, c in configs.items()))
 
 
+def pictures_of_one(bench, counts, repetitions):
+    """Seconds of whole commands, by the volume's name and the ranks."""
+    from .volumes import refined
+    large = bench.path("head-512.nrrd")
+    refined(HEAD, large)
+    seconds = {volume: {n: [] for n in counts} for volume in (HEAD, large)}
+    for _ in range(repetitions):
+        for volume in seconds:
+            for n in counts:
+                begun = time.monotonic()
+                output_of(*on_ranks(n, PROGRAM, "render", volume, "-o", bench.path("x.png")))
+                seconds[volume][n].append(time.monotonic() - begun)
+    return {f"`{volume.name}`": by_ranks for volume, by_ranks in seconds.items()}
+
+
+def launch(ranks):
+    return f"`mpirun -n {ranks}{' --oversubscribe' if ranks > 2 else ''}`" if ranks else "one process"
+
+
 def print_typed(typed):
     print_head("`ringsplat render tests/data/head.nrrd --orbit 24 -o x.png`", "works as", "ms a picture", "of one process", "s in all")
     for (quality, n), command in typed.items():
-        launch = f"`mpirun -n {n}{' --oversubscribe' if n > 2 else ''}`" if n else "one process"
         idle = command.layout["idle"]
         works_as = (f"{command.nodes()}, {idle} idle" if idle else command.nodes()) if n else "all cores"
         picture = median(command.pictures)
-        print_row(f"{launch}{' `--quality paper`' if quality == 'paper' else ''}", works_as, ms(picture),
+        print_row(f"{launch(n)}{' `--quality paper`' if quality == 'paper' else ''}", works_as, ms(picture),
                   f"{picture / median(typed[quality, 0].pictures):.2f}", f"{median(command.seconds):.2f}")
 
 

@@ -29,19 +29,10 @@ constexpr double shown_shares[] = {0, 0.001, 0.01, 0.25, 0.5, 0.75, 0.99, 0.999,
 
 ValueStatistics read_values(VolumeSource& source, Progress& progress) {
   const Grid& grid = source.grid();
-  constexpr std::size_t batch_bytes = std::size_t{8} << 20;
-  const std::size_t slice = grid.slice_bytes(Axis::z);
-  const int batch = int(std::clamp<std::size_t>(batch_bytes / slice, 1, std::size_t(grid.dims.z)));
-  std::vector<std::byte> voxels(slice * std::size_t(batch));
   int passes = 0;
   const Pass pass = [&](const RowVisitor& visit) {
     progress.begin(passes++ == 0 ? "reading the values" : "reading the values again", grid.dims.z);
-    for (int z = 0; z < grid.dims.z; z += batch) {
-      const int count = std::min(batch, grid.dims.z - z);
-      const std::span rows(voxels.data(), slice * std::size_t(count));
-      source.read_slices(z, count, rows);
-      visit(rows, grid.dims.x);
-    }
+    visit_slices(source, 0, grid.dims.z, visit);
     progress.end();
   };
   return describe_values(grid, source.notes(), pass);

@@ -36,7 +36,7 @@ ExitCode run(const ReferenceOptions& o) {
   if (o.truth == TruthKind::analytic) static_cast<void>(synth_field(o.formula));
   check_image_name(o.picture.output, "-o", true);
   check_outputs(o.picture);
-  require_image_library();
+  load_image_library(false).get();
   if (!o.without_effect.empty())
     log_warning("{} change{} nothing in the {} truth", joined(o.without_effect, ", "),
                 o.without_effect.size() == 1 ? "s" : "", name(o.truth));

@@ -180,9 +180,8 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   if (o.budget.max_error && !o.budget.fixed.contains("--undersample"))
     job.load.factors.assign(undersampling.begin(), undersampling.end());
   settle_layout(job, pictures_at_once(job, job.cameras.size()), job.channels_drawn(), launch);
-  launch.check_on_rank_0([&] {
-    if (!o.output.empty() || !o.error.map.empty()) require_image_library();
-  });
+  if (launch.rank() == 0 && (!o.output.empty() || !o.error.map.empty()))
+    job.image_library = load_image_library(!simulated());
   if (!view_note.empty()) log_info("{}", view_note);
   return job;
 }
@@ -206,6 +205,7 @@ FrameSpec choose_frame(Job& job, Scene& scene, Progress& progress, Launch& launc
                                   : make_function(job.channels[channel], o, scene.values, frame.shown);
     const TransferFunction& function = frame.shown.transfer_function;
     check(function, o.transfer_function);
+    if (job.image_library.valid()) job.image_library.get();
     if (!o.transfer_function_out.empty())
       write_text_output(o.transfer_function_out, to_paraview_json(function));
     if (!made.said.empty() && !simulated()) progress.print(made.said);

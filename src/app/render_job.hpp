@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <functional>
+#include <future>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,10 +41,11 @@ struct Job {
   // On rank 0, as only it reads the small files and writes the results.
   std::optional<TransferFunctionChoice> transfer_function;
   std::vector<Camera> cameras;
-  std::vector<SeriesEntry> series;       ///< one volume without --frames
-  std::vector<DrawnChannel> channels;    ///< that are drawn together, on all ranks as many; else none
-  OpenedVolume volume;                   ///< the first part
-  std::optional<Annotation> annotation;  ///< on rank 0
+  std::vector<SeriesEntry> series;         ///< one volume without --frames
+  std::vector<DrawnChannel> channels;      ///< that are drawn together, on all ranks as many; else none
+  OpenedVolume volume;                     ///< the first part
+  std::optional<Annotation> annotation;    ///< on rank 0
+  std::shared_future<void> image_library;  ///< for pictures that rank 0 writes
   LoadOptions load;
   std::vector<std::uint64_t> slice_bytes;   ///< foreseen, by GP
   std::vector<MeasuredShortcuts> measured;  ///< on rank 0, for --max-error: of what a setting is chosen

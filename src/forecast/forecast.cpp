@@ -12,26 +12,18 @@ namespace {
 constexpr std::int64_t most_voxels = std::int64_t{1} << 24;
 constexpr int sections_of_large_volumes = 3;
 
-using Section = std::vector<std::byte>;
-
-std::vector<Section> read_sections(VolumeSource& source) {
+/// All voxels of small volumes; of others sections.
+void visit_some(VolumeSource& source, const RowVisitor& visit) {
   const Grid& grid = source.grid();
-  const auto read = [&](int first, int slices) {
-    Section section(grid.slice_bytes(Axis::z) * std::size_t(slices));
-    source.read_slices(first, slices, section);
-    return section;
-  };
-  if (grid.voxels() <= most_voxels) return {read(0, grid.dims.z)};
+  if (grid.voxels() <= most_voxels) return visit_slices(source, 0, grid.dims.z, visit);
   const auto in_slice = std::int64_t(grid.slice_voxels(Axis::z));
   const int wanted = int(std::max<std::int64_t>(1, most_voxels / sections_of_large_volumes / in_slice));
   const int thick = std::min(wanted, std::max(1, grid.dims.z / sections_of_large_volumes));
   const int count = std::min(sections_of_large_volumes, grid.dims.z);
-  std::vector<Section> sections;
   for (int k = 0; k < count; ++k) {
     const int middle = int((2 * std::int64_t(k) + 1) * grid.dims.z / (2 * count));
-    sections.push_back(read(std::clamp(middle - thick / 2, 0, grid.dims.z - thick), thick));
+    visit_slices(source, std::clamp(middle - thick / 2, 0, grid.dims.z - thick), thick, visit);
   }
-  return sections;
 }
 
 VolumeSketch sketch_of(VolumeSource& source) {
@@ -53,13 +45,11 @@ VolumeSketch sketch_of(VolumeSource& source) {
 }  // namespace
 
 TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice& choice) {
-  const Grid& grid = source.grid();
-  const std::vector<Section> sections = read_sections(source);
-  const Pass pass = [&](const RowVisitor& visit) {
-    for (const Section& section : sections) visit(section, grid.dims.x);
-  };
   Shown shown;
-  choice.make(describe_values(grid, source.notes(), pass), shown);
+  std::vector<std::byte> read;  // once: files may have to be decoded
+  visit_some(source, [&](auto slice, int) { read.insert(read.end(), slice.begin(), slice.end()); });
+  const Pass pass = [&](const RowVisitor& visit) { visit(read, source.grid().dims.x); };
+  choice.make(describe_values(source.grid(), source.notes(), pass), shown);
   return shown.transfer_function;
 }
 

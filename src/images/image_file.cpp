@@ -24,6 +24,9 @@ namespace {
 /// log4cplus and OpenBLAS start threads then, and wait for ever where one cannot be started.
 constexpr std::size_t loading_takes = std::size_t{512} << 20;
 
+/// OpenBLAS, of which nothing here is used, would start a thread for each core.
+constexpr const char* blas_threads = "OPENBLAS_NUM_THREADS";
+
 /// Finds the library as if it had been linked; null where dlerror() says why not.
 void* open_shared_library(const char* name) {
   // dlopen searches its caller's folders. With a sanitizer or a profiler in between the caller is not this
@@ -75,8 +78,6 @@ const ImageLibrary& image_library_of(const char* shared_library) {
                                 shared_library));
   };
   if (!has_address_space(loading_takes)) throw std::bad_alloc();
-  // OpenBLAS, of which nothing here is used, would start a thread for each core.
-  constexpr const char* blas_threads = "OPENBLAS_NUM_THREADS";
   const bool is_set = std::getenv(blas_threads) != nullptr;
   setenv(blas_threads, "1", 0);
   // Never closed: objects that it made may live as long as the process.
@@ -97,12 +98,21 @@ const ImageLibrary& image_library() {
   return loaded;
 }
 
-void require_image_library() {
-  try {
-    static_cast<void>(image_library());
-  } catch (const RunError& e) {
-    throw InputError(e.what());
-  }
+std::shared_future<void> load_image_library(bool meanwhile) {
+  using enum std::launch;
+  // Not by the other thread, as this one may read its environment meanwhile.
+  setenv(blas_threads, "1", 0);
+  // What this thread takes of an address space that is limited may be missing while the library is loaded.
+  const bool limited = !has_address_space(std::size_t{1} << 40);
+  return std::async(meanwhile && !limited ? async | deferred : deferred,
+                    [] {
+                      try {
+                        static_cast<void>(image_library());
+                      } catch (const RunError& e) {
+                        throw InputError(e.what());
+                      }
+                    })
+      .share();
 }
 
 OpenedImageFile open_image_file(const std::filesystem::path& path) {

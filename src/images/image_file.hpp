@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <future>
 #include <memory>
 #include <string>
 #include <variant>
@@ -41,8 +42,9 @@ class ImageFile {
   virtual std::string read(int image, int channels, SampleType type, void* samples) = 0;
 };
 
-/// Throws InputError when the library cannot be loaded: for before a picture is drawn that is to be written.
-void require_image_library();
+/// Loads the library for pictures that are to be written: in get(), or if wanted before that on another
+/// thread, which ends with what is returned. get() throws InputError when it cannot be loaded.
+std::shared_future<void> load_image_library(bool meanwhile);
 
 struct OpenedImageFile {
   std::unique_ptr<ImageFile> file;  ///< null: it is no image file

@@ -66,13 +66,13 @@ void merge_distinct(DistinctValues& distinct, Collectives& collectives) {
   if (distinct.overflown()) return;
   using Values = std::vector<double>;
   for (const Block& block : to_process_0(collectives, to_bytes(distinct.sorted())))
-    distinct.merge(value_of<Values>(block, "its different values"));
+    for (const double value : value_of<Values>(block, "its different values")) distinct.add(value);
   bool overflown = false;
   Values all;
   read_block(collectives.broadcast(to_bytes(distinct.overflown(), distinct.sorted()), 0),
              "all different values", overflown, all);
   if (overflown) distinct.overflow();
-  distinct.merge(all);
+  for (const double value : all) distinct.add(value);
 }
 
 }  // namespace

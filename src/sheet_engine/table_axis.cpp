@@ -97,10 +97,6 @@ double TableAxis::value_at(double place) const {
   return corners_.back();
 }
 
-double PlaneCode::finite(double value) const {
-  return std::clamp(!std::isinf(value) ? value : value > 0 ? above : below, least, most);
-}
-
 PlaneCode PlaneCode::choose(ScalarType type, double low, double high, bool rounded, int pieces) {
   if (is_whole(type)) {
     // Extrapolations beyond the border, multiplied by up to `pieces`, and their differences fit 16 bits.

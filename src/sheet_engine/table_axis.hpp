@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -47,7 +48,9 @@ struct PlaneCode {
   /// Values beyond are drawn as these: the table's ends, where outliers lie too far away to matter.
   double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
   bool bounded() const { return std::isfinite(least) || std::isfinite(most); }
-  double finite(double value) const;
+  double finite(double value) const {
+    return std::clamp(!std::isinf(value) ? value : value > 0 ? above : below, least, most);
+  }
   /// Whether a voxel's number is not its value's.
   bool rounds() const { return !floats && scale != 1; }
   double of(double value) const { return (finite(value) - offset) * scale; }

@@ -6,6 +6,7 @@
 
 #include "truth/ray.hpp"
 #include "volume/scalars.hpp"
+#include "volume/value_statistics.hpp"
 
 namespace ringsplat::truth {
 namespace {
@@ -60,15 +61,11 @@ std::vector<std::uint8_t> read_labels(VolumeSource& labels) {
 
 std::vector<double> read_values(VolumeSource& source) {
   const Grid& grid = source.grid();
-  const std::size_t slice = grid.slice_voxels(Axis::z);
-  std::vector<double> values(std::size_t(grid.voxels()));
-  std::vector<std::byte> bytes(grid.slice_bytes(Axis::z));
-  for (int z = 0; z < grid.dims.z; ++z) {
-    source.read_slices(z, 1, bytes);
-    for_values(grid.type, bytes, [&](auto some) {
-      std::copy(some.begin(), some.end(), values.begin() + std::ptrdiff_t(std::size_t(z) * slice));
-    });
-  }
+  std::vector<double> values;
+  values.reserve(std::size_t(grid.voxels()));
+  visit_slices(source, 0, grid.dims.z, [&](std::span<const std::byte> slice, int) {
+    for_values(grid.type, slice, [&](auto some) { values.insert(values.end(), some.begin(), some.end()); });
+  });
   return values;
 }
 

@@ -1,5 +1,6 @@
 #include "volume/cell_ranges.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -11,25 +12,17 @@ namespace {
 template <class T>
 struct Ends {
   T low, high;
-  void widen(const Ends& other) {
-    low = std::min(low, other.low);
-    high = std::max(high, other.high);
-  }
 };
 
-/// Of `count` values in native byte order, at any address; of none low > high.
+/// By the values of a row in native byte order, at any address. Of pointers compilers make vectors.
 template <class T>
-Ends<T> ends_of(const std::byte* values, int count) {
-  using Limits = std::numeric_limits<T>;
-  Ends<T> ends{Limits::max(), Limits::lowest()};
-  if constexpr (Limits::has_infinity) ends = {Limits::infinity(), -Limits::infinity()};
-  for (int i = 0; i < count; ++i) {
-    const T value = load<T>(values, std::size_t(i));
+void widen(T* low, T* high, const std::byte* row, std::size_t count) {
+  for (std::size_t x = 0; x < count; ++x) {
+    const T value = load<T>(row, x);
     // A comparison with not-a-number is false and keeps the end.
-    ends.low = value < ends.low ? value : ends.low;
-    ends.high = value > ends.high ? value : ends.high;
+    low[x] = value < low[x] ? value : low[x];
+    high[x] = value > high[x] ? value : high[x];
   }
-  return ends;
 }
 
 int blocks_of(int voxels, int side) { return (voxels + side - 1) / side; }
@@ -42,16 +35,25 @@ RangesOfBlocks::RangesOfBlocks(const SliceView& slice, const Shape& shape)
       rows_(blocks_of(slice.height, shape.height)) {
   visit_type(type_, [&](auto zero) {
     using T = decltype(zero);
-    std::vector<Ends<T>> all(std::size_t(columns_) * std::size_t(rows_), ends_of<T>(nullptr, 0));
-    for (int y = 0; y < slice.height; ++y)
+    using Limits = std::numeric_limits<T>;
+    // The ends of no values: low > high.
+    constexpr T most = Limits::has_infinity ? Limits::infinity() : Limits::max();
+    constexpr T least = Limits::has_infinity ? -Limits::infinity() : Limits::lowest();
+    const auto width = std::size_t(slice.width);
+    std::vector<Ends<T>> all;
+    std::vector<T> low(width), high(width);
+    for (int row = 0; row < rows_; ++row) {
+      std::ranges::fill(low, most);
+      std::ranges::fill(high, least);
+      const int first = row * shape.height;
+      for (int y = first; y < std::min(slice.height, first + shape.height + shape.beyond); ++y)
+        widen(low.data(), high.data(), slice.values_of_row(y), width);
       for (int column = 0; column < columns_; ++column) {
-        const int first = column * shape.width;
-        const Ends<T> here = ends_of<T>(slice.values_of_row(y) + std::size_t(first) * sizeof(T),
-                                        std::min(shape.width + shape.beyond, slice.width - first));
-        // A row behind a block is of the next one, too.
-        for (int row = std::max(y - shape.beyond, 0) / shape.height; row <= y / shape.height; ++row)
-          all[std::size_t(row) * std::size_t(columns_) + std::size_t(column)].widen(here);
+        const int at = column * shape.width, end = std::min(slice.width, at + shape.width + shape.beyond);
+        all.push_back({*std::min_element(low.begin() + at, low.begin() + end),
+                       *std::max_element(high.begin() + at, high.begin() + end)});
       }
+    }
     const auto bytes = std::as_bytes(std::span(all));
     ends_.assign(bytes.begin(), bytes.end());
   });

@@ -1,7 +1,5 @@
 #include "volume/value_statistics.hpp"
 
-#include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <numeric>
 
@@ -13,6 +11,8 @@ namespace {
 constexpr int histogram_bins = 1024;
 /// Up to `few_labels` are labels even where neighbours are the next ones, as in nested parts.
 constexpr std::size_t most_found_labels = 256, few_labels = 16;
+/// Voxels whose neighbours are counted, about: of more one row in so many.
+constexpr double most_looked_at = 1 << 21;
 
 /// The keys' bins within the range. A key that begins with the largest value has a bin of the smallest width
 /// there is, as a bin does not hold its upper bound.
@@ -122,26 +122,16 @@ void count_row(std::span<const T> row, const PlaceOf& place_of, std::vector<std:
 }
 
 void count_neighbours(ValueStatistics& s, const Pass& pass, const Merging& merging) {
-  constexpr double most = 1 << 16;
-  const auto& labels = s.labels;
-  const double span = labels.back() - labels.front() + 1;
-  // By value from the smallest label on; empty when they lie too far apart.
-  std::vector<std::ptrdiff_t> places(span > most ? 0 : std::size_t(span), -1);
-  for (std::size_t k = 0; k < labels.size() && !places.empty(); ++k)
-    places[std::size_t(labels[k] - labels.front())] = std::ptrdiff_t(k);
-  const auto place_of = [&](double value) -> std::ptrdiff_t {
-    if (!places.empty()) {
-      const double at = value - labels.front();
-      return at >= 0 && at < double(places.size()) ? places[std::size_t(at)] : -1;
-    }
-    const auto at = std::lower_bound(labels.begin(), labels.end(), value);
+  const auto place_of = [&labels = s.labels](double value) -> std::ptrdiff_t {
+    const auto at = std::ranges::lower_bound(labels, value);
     return at != labels.end() && *at == value ? at - labels.begin() : -1;
   };
   std::vector<std::uint64_t> counts(4);
+  const auto one_in = std::size_t(std::max(1.0, double(s.grid.voxels()) / most_looked_at));
   pass([&](std::span<const std::byte> rows, int width) {
     for_values(s.grid.type, rows, [&](auto values) {
-      for (; values.size() >= std::size_t(width); values = values.subspan(std::size_t(width)))
-        count_row(values.first(std::size_t(width)), place_of, counts);
+      for (std::size_t row = 0; (row + 1) * std::size_t(width) <= values.size(); row += one_in)
+        count_row(values.subspan(row * std::size_t(width), std::size_t(width)), place_of, counts);
     });
   });
   merging.sum(counts);
@@ -190,6 +180,20 @@ double ValueStatistics::quantile(double share) const {
     below += here;
   }
   return range.high;
+}
+
+void visit_slices(VolumeSource& source, int first, int count, const RowVisitor& visit) {
+  constexpr std::size_t batch_bytes = std::size_t{8} << 20;
+  const Grid& grid = source.grid();
+  const std::size_t slice = grid.slice_bytes(Axis::z);
+  const int batch = int(std::clamp<std::size_t>(batch_bytes / slice, 1, std::size_t(count)));
+  std::vector<std::byte> voxels(slice * std::size_t(batch));
+  for (int z = first; z < first + count; z += batch) {
+    const int there = std::min(batch, first + count - z);
+    std::span rest(voxels.data(), slice * std::size_t(there));
+    source.read_slices(z, there, rest);
+    for (; !rest.empty(); rest = rest.subspan(slice)) visit(rest.first(slice), grid.dims.x);
+  }
 }
 
 ValueStatistics describe_values(const Grid& grid, const VolumeNotes& notes, const Pass& pass,

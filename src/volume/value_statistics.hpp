@@ -1,8 +1,12 @@
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
+#include <unordered_set>
 #include <vector>
 
 #include "ringsplat/volume/source.hpp"
@@ -21,22 +25,31 @@ struct ValueKind {
 std::uint64_t for_each_unfilled(const ValueKind& kind, std::span<const std::byte> values,
                                 const std::function<void(std::span<const std::byte>)>& f);
 
-/// Up to `most` different values; overflown when there were more.
+/// Up to `most` different values; overflown when there were more, or some that are no whole numbers.
 class DistinctValues {
  public:
   static constexpr std::size_t most = 16384;
-  void add(double value);
-  void merge(std::span<const double> values);
-  void overflow();
+  void add(double value) {
+    if (overflown_ || value == last_) return;
+    last_ = value;
+    values_.insert(value);
+    if (values_.size() > most || value != std::floor(value)) overflow();
+  }
+  void overflow() {
+    overflown_ = true;
+    values_ = {};
+  }
   bool overflown() const { return overflown_; }
-  std::vector<double> sorted() const;
+  std::vector<double> sorted() const {
+    std::vector<double> values(values_.begin(), values_.end());
+    std::ranges::sort(values);
+    return values;
+  }
 
  private:
-  static constexpr std::size_t slots = 4 * most;
-  std::vector<double> table_;  ///< open addressing; NaN: empty
-  std::size_t count_ = 0;
-  double last_ = 0;
-  bool any_ = false, overflown_ = false;
+  std::unordered_set<double> values_;
+  double last_ = std::numeric_limits<double>::quiet_NaN();
+  bool overflown_ = false;
 };
 
 /// Counts of the finite values by 16-bit keys that have the values' order: every value of an 8- or 16-bit
@@ -65,8 +78,6 @@ class ValueTally {
   DistinctValues distinct;            ///< of wide types, while all values are whole numbers
 
  private:
-  void look_for_labels(std::span<const std::byte> values);
-
   ValueKind kind_;
 };
 
@@ -80,7 +91,7 @@ using Bins = std::vector<ValueBin>;
 /// Voxels of all bins.
 double count_of(const Bins& bins);
 
-/// Pairs of neighbours along rows, in volumes of few different whole numbers.
+/// Pairs of neighbours along rows, of large volumes some rows, where there are few different whole numbers.
 struct NeighbourCounts {
   std::uint64_t equal = 0;     ///< pairs of one value
   std::uint64_t adjacent = 0;  ///< of a value and the next larger one that the volume has
@@ -109,9 +120,12 @@ struct ValueStatistics {
   double coarseness() const;
 };
 
-/// Calls its argument with all values of the volume, some rows at a time, and the voxels of a row.
+/// Calls its argument with all values of the volume, slice by slice, and the voxels of a row.
 using RowVisitor = std::function<void(std::span<const std::byte> rows, int width)>;
 using Pass = std::function<void(const RowVisitor&)>;
+
+/// Reads `count` z slices from `first` on, some MiB at a time, and passes each on.
+void visit_slices(VolumeSource& source, int first, int count, const RowVisitor& visit);
 
 /// Puts together what processes have counted. One process has nothing to do.
 struct Merging {

@@ -1,7 +1,4 @@
-#include <algorithm>
 #include <bit>
-#include <cmath>
-#include <limits>
 #include <type_traits>
 
 #include "volume/scalars.hpp"
@@ -15,11 +12,8 @@ constexpr std::size_t chunk_values = 16384;
 /// A wide type's nearest float32; those beyond its range become its largest.
 template <class T>
 float narrowed(T value) {
-  if constexpr (std::is_same_v<T, double>) {
-    constexpr double most = std::numeric_limits<float>::max();
-    return float(std::clamp(value, -most, most));
-  }
-  return float(value);
+  constexpr double most = std::numeric_limits<float>::max();
+  return float(std::clamp(double(value), -most, most));
 }
 
 /// The upper half of bits that have the order of the values. Adding 0 makes +0 of −0.
@@ -81,40 +75,6 @@ std::uint64_t for_each_unfilled(const ValueKind& kind, std::span<const std::byte
   });
 }
 
-void DistinctValues::overflow() {
-  overflown_ = true;
-  table_ = {};
-  count_ = 0;
-}
-
-void DistinctValues::add(double value) {
-  if (overflown_ || (any_ && value == last_)) return;
-  if (table_.empty()) table_.assign(slots, std::numeric_limits<double>::quiet_NaN());
-  any_ = true;
-  last_ = value;
-  const auto hash = std::bit_cast<std::uint64_t>(value + 0.0) * 0x9e3779b97f4a7c15U;
-  for (std::size_t slot = std::size_t(hash >> 40);; ++slot) {
-    double& place = table_[slot % slots];
-    if (place == value) return;
-    if (!std::isnan(place)) continue;
-    place = value;
-    if (++count_ > most) overflow();
-    return;
-  }
-}
-
-void DistinctValues::merge(std::span<const double> values) {
-  for (const double value : values) add(value);
-}
-
-std::vector<double> DistinctValues::sorted() const {
-  std::vector<double> values;
-  for (const double value : table_)
-    if (!std::isnan(value)) values.push_back(value);
-  std::sort(values.begin(), values.end());
-  return values;
-}
-
 ValueTally::ValueTally(const ValueKind& kind)
     : counts(size_of(kind.type) == 1 ? 256 : most_keys), kind_(kind) {}
 
@@ -132,23 +92,14 @@ ValueTally::Edges ValueTally::edges_of(ScalarType type, std::size_t key) {
 void ValueTally::add(std::span<const std::byte> values) {
   fill += for_each_unfilled(kind_, values, [this](std::span<const std::byte> some) {
     range.add(kind_.type, some);
-    for_values(kind_.type, some, [this](auto typed_values) {
-      for (const auto value : typed_values)
-        if (is_finite(value)) ++counts[key_of_value(value)];
+    const bool looks_for_labels = !is_exact(kind_.type) && !distinct.overflown();
+    for_values(kind_.type, some, [&](auto typed_values) {
+      for (const auto value : typed_values) {
+        if (!is_finite(value)) continue;
+        ++counts[key_of_value(value)];
+        if (looks_for_labels) distinct.add(double(value));
+      }
     });
-    look_for_labels(some);
-  });
-}
-
-void ValueTally::look_for_labels(std::span<const std::byte> values) {
-  if (is_exact(kind_.type) || distinct.overflown()) return;
-  for_values(kind_.type, values, [&](auto some) {
-    for (const auto value : some) {
-      if (!is_finite(value)) continue;
-      if (double(value) != std::floor(double(value))) distinct.overflow();
-      if (distinct.overflown()) return;
-      distinct.add(double(value));
-    }
   });
 }
 

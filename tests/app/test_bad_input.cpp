@@ -361,7 +361,7 @@ TEST_CASE("options that do not fit the launcher's ranks are refused", "[mpi]") {
   for (const auto& c : wrong) check_case(c, inputs, 3);
 }
 
-TEST_CASE("an image library that cannot be used is noticed before a voxel is read") {
+TEST_CASE("an image library that cannot be used is noticed before a picture is drawn") {
   const Inputs inputs;
   const TemporaryFolder out;
   Dl_info other;  // any library that has no images

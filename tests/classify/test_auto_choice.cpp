@@ -1,6 +1,7 @@
 // What "auto" chooses for volumes that a picture can fail on.
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 
 #include "classify/adjust.hpp"
@@ -316,6 +317,34 @@ TEST_CASE(
       Volume<std::uint16_t>([&](double x, double y, double z) { return nested(x, y, z) > 3 ? 40000 : 0; }),
       2);
   require_all(Volume<std::uint8_t>([&](double x, double y, double z) { return nested(x, y, z) < 4; }), 2);
+}
+
+TEST_CASE("labels of a large volume are found by some of its rows, the same whoever has which slice") {
+  constexpr int wide = 256, slices = 80;  // one row in two
+  const auto statistics_of = [](auto value_at, const std::vector<int>& order) {
+    const Pass pass = [&](const RowVisitor& visit) {
+      std::vector<std::uint8_t> slice;
+      for (const int z : order) {
+        slice.clear();
+        for (int y = 0; y < wide; ++y)
+          for (int x = 0; x < wide; ++x) slice.push_back(std::uint8_t(value_at(x, y, z)));
+        visit(std::as_bytes(std::span(slice)), wide);
+      }
+    };
+    return describe_values({.dims = {wide, wide, slices}, .type = ScalarType::uint8}, {}, pass);
+  };
+  std::vector<int> forwards(slices), backwards(slices);
+  std::iota(forwards.begin(), forwards.end(), 0);
+  std::iota(backwards.rbegin(), backwards.rend(), 0);
+  const auto pieces = [](int x, int y, int z) { return 1 + 7 * (x / 16 * 5 + y / 16 * 3 + z / 16) % 20; };
+  const auto levels = [](int x, int y, int z) { return (x + y + z) / 8 % 20; };
+  const auto counted = statistics_of(pieces, forwards), again = statistics_of(pieces, backwards);
+  CHECK(look_like_labels(counted));
+  CHECK_FALSE(look_like_labels(statistics_of(levels, forwards)));
+  const auto pairs = [](const NeighbourCounts& n) { return n.equal + n.adjacent + n.apart; };
+  CHECK(pairs(*counted.neighbours) == std::uint64_t(wide - 1) * wide / 2 * slices);
+  CHECK(counted.neighbours->equal == again.neighbours->equal);
+  CHECK(counted.neighbours->apart == again.neighbours->apart);
 }
 
 TEST_CASE("counts of few events are no labels, and none of them is cut off") {
