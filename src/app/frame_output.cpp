@@ -49,14 +49,11 @@ double megabytes(std::uint64_t bytes) { return double(bytes) / 1e6; }
 
 /// A frame's settings. Of channels that were added each has its transfer function.
 json settings_of(const FrameSpec& spec, const std::vector<DrawnChannel>& channels) {
-  json all = json::parse(to_json_text(spec));
-  for (const DrawnChannel& channel : channels) {
-    FrameSpec alone = spec;
-    alone.shown.transfer_function = channel.function;
-    const json function = json::parse(to_json_text(alone))["transfer_function"];
-    all["channels"].push_back(
-        {{"channel", channel.choice}, {"name", channel.name}, {"transfer_function", function}});
-  }
+  json all = to_json(spec);
+  for (const DrawnChannel& channel : channels)
+    all["channels"].push_back({{"channel", channel.choice},
+                               {"name", channel.name},
+                               {"transfer_function", to_json(channel.function)}});
   if (!channels.empty()) all.erase("transfer_function");
   return all;
 }
@@ -87,8 +84,7 @@ class StatsOutput {
       items_ = items_of(frame.spec.how);
     }
     if (job_.options.stats_as_table || file_.empty()) return;
-    json j = json::parse(to_json_text(frame.stats, job_.layout, settings_of(frame.spec, job_.channels).dump(),
-                                      name(frame.axis)));
+    json j = to_json(frame.stats, job_.layout, settings_of(frame.spec, job_.channels), name(frame.axis));
     if (!picture.empty()) j["file"] = picture;
     j["volume"] = volume;
     j["memory"] = memory_of(job_);

@@ -14,6 +14,7 @@
 #include "program/layouts.hpp"
 #include "program/progress.hpp"
 #include "program/text_output.hpp"
+#include "record/stats.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "scene/scene.hpp"
 #include "session/render.hpp"
@@ -316,23 +317,16 @@ std::string to_text(const Foreseen& f, int ranks) {
 
 nlohmann::json to_json(const Foreseen& f, int ranks) {
   nlohmann::json layouts = nlohmann::json::array();
-  for (const Prediction& p : f.predictions)
-    layouts.push_back({{"layout", describe(p.layout)},
-                       {"gps", p.layout.gps},
-                       {"renderers", p.layout.renderers},
-                       {"idle", p.layout.idle},
-                       {"bundle", p.layout.bundle},
-                       {"roles", p.layout.placement == Placement::colocated ? "colocated" : "dedicated"},
-                       {"mesh", {p.layout.mesh_columns, p.layout.mesh_rows}},
-                       {"topology", p.layout.topology == Topology::mesh ? "mesh" : "ring"},
-                       {"seconds", p.seconds},
-                       {"gp_seconds", p.gp},
-                       {"renderer_seconds", p.renderer},
-                       {"core_seconds", p.shared},
-                       {"token_seconds", p.tokens},
-                       {"limit", p.limit}});
-  for (auto& layout : layouts)
-    if (layout["topology"] == "ring") layout.erase("mesh");
+  for (const Prediction& p : f.predictions) {
+    nlohmann::json& row = layouts.emplace_back(to_json(p.layout));
+    row.update({{"layout", describe(p.layout)},
+                {"seconds", p.seconds},
+                {"gp_seconds", p.gp},
+                {"renderer_seconds", p.renderer},
+                {"core_seconds", p.shared},
+                {"token_seconds", p.tokens},
+                {"limit", p.limit}});
+  }
   return {{"machine", f.described ? nlohmann::json(f.machine.name) : nlohmann::json()},
           {"cores", cores_of(f.machine, ranks)},
           {"gp_seconds", f.work.gp},

@@ -22,7 +22,7 @@ namespace ringsplat::app {
 namespace {
 
 std::string settings_text(const FrameSpec& spec, const ReferenceOptions& o) {
-  auto j = nlohmann::json::parse(to_json_text(spec));
+  auto j = to_json(spec);
   j["volume"] = std::filesystem::path(o.picture.volume.path).filename().string();
   j["truth"] = name(o.truth);
   if (o.truth == TruthKind::field || o.truth == TruthKind::analytic) j["tolerance"] = o.tolerance;

@@ -33,13 +33,6 @@ json to_json(const Camera& c) {
   return j;
 }
 
-json to_json(const TransferFunction& tf) {
-  json colours = json::array(), opacities = json::array();
-  for (const auto& p : tf.colours) colours.push_back({p.value, p.srgb.x, p.srgb.y, p.srgb.z});
-  for (const auto& p : tf.opacities) opacities.push_back({p.value, p.opacity});
-  return {{"name", tf.name}, {"colours", colours}, {"opacities", opacities}, {"nan", to_json(tf.nan_srgb)}};
-}
-
 /// An object of all fields.
 struct ToJson {
   json& object;
@@ -275,13 +268,20 @@ FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
   return spec;
 }
 
-std::string to_json_text(const FrameSpec& s) {
+nlohmann::json to_json(const TransferFunction& tf) {
+  json colours = json::array(), opacities = json::array();
+  for (const auto& p : tf.colours) colours.push_back({p.value, p.srgb.x, p.srgb.y, p.srgb.z});
+  for (const auto& p : tf.opacities) opacities.push_back({p.value, p.opacity});
+  return {{"name", tf.name}, {"colours", colours}, {"opacities", opacities}, {"nan", to_json(tf.nan_srgb)}};
+}
+
+nlohmann::json to_json(const FrameSpec& s) {
   json all = to_json(s.shown);
   all["frame"] = s.frame;
   all["engine"] = name(s.how);
   all["region"] = s.division.region_size;
   std::visit([&all](const auto& how) { fields(how, ToJson{all}); }, s.how);
-  return all.dump(-1, ' ', false, json::error_handler_t::replace);
+  return all;
 }
 
 }  // namespace ringsplat

@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 #include <vector>
@@ -25,7 +26,8 @@ Bytes encode(const std::vector<FrameOfVolume>& frames);
 std::vector<FrameOfVolume> decode_frames(std::span<const std::byte> bytes);
 /// The method of an announced frame, with its usual options.
 Method method_of(std::span<const std::byte> bytes);
-/// As JSON text, for --stats and image metadata.
-std::string to_json_text(const FrameSpec& spec);
+/// For --stats and image metadata; names are whatever bytes they are.
+nlohmann::json to_json(const FrameSpec& spec);
+nlohmann::json to_json(const TransferFunction& transfer_function);
 
 }  // namespace ringsplat

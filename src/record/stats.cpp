@@ -72,24 +72,28 @@ void check_conservation(const FrameStats& stats) {
                                sum.payload_bytes_sent, sum.payload_bytes_received));
 }
 
-std::string to_json_text(const FrameStats& stats, const Layout& layout, const std::string& settings,
-                         char axis) {
+json to_json(const Layout& layout) {
+  json j{{"gps", layout.gps},
+         {"renderers", layout.renderers},
+         {"ranks", layout.ranks()},
+         {"idle", layout.idle},
+         {"bundle", layout.bundle},
+         {"topology", layout.topology == Topology::ring ? "ring" : "mesh"},
+         {"roles", layout.placement == Placement::dedicated ? "dedicated" : "colocated"}};
+  if (layout.topology == Topology::mesh) {
+    j["mesh"] = {layout.mesh_columns, layout.mesh_rows};
+    j["routing"] = layout.routing == Routing::manhattan ? "manhattan" : "direct";
+  }
+  return j;
+}
+
+json to_json(const FrameStats& stats, const Layout& layout, const json& settings, char axis) {
   json j;
   j["frame"] = stats.frame;
   j["seconds"] = stats.seconds;
   j["period"] = stats.period;
-  j["settings"] = json::parse(settings);
-  j["layout"] = {{"gps", layout.gps},
-                 {"renderers", layout.renderers},
-                 {"ranks", layout.ranks()},
-                 {"idle", layout.idle},
-                 {"bundle", layout.bundle},
-                 {"topology", layout.topology == Topology::ring ? "ring" : "mesh"},
-                 {"roles", layout.placement == Placement::dedicated ? "dedicated" : "colocated"}};
-  if (layout.topology == Topology::mesh) {
-    j["layout"]["mesh"] = {layout.mesh_columns, layout.mesh_rows};
-    j["layout"]["routing"] = layout.routing == Routing::manhattan ? "manhattan" : "direct";
-  }
+  j["settings"] = settings;
+  j["layout"] = to_json(layout);
   j["traversal"] = {{"axis", std::string(1, axis)}, {"ascending", stats.ascending}, {"slices", stats.slices}};
   j["total"] = to_json(stats.total());
   if (layout.routed()) {
@@ -110,7 +114,7 @@ std::string to_json_text(const FrameStats& stats, const Layout& layout, const st
       one["node"] = to_string(node);
       one["rank"] = layout.rank_of(node);
     }
-  return j.dump();
+  return j;
 }
 
 }  // namespace ringsplat

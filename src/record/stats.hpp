@@ -1,6 +1,6 @@
 #pragma once
 #include <cstdint>
-#include <string>
+#include <nlohmann/json_fwd.hpp>
 #include <vector>
 
 #include "net/mesh.hpp"
@@ -54,9 +54,10 @@ struct FrameStats {
 /// bytes sent = received.
 void check_conservation(const FrameStats& stats);
 
-/// One JSON object (docs/formats.md, "Statistics"). `settings` is the frame's, itself JSON; `axis` names the
-/// slice set that was traversed.
-std::string to_json_text(const FrameStats& stats, const Layout& layout, const std::string& settings,
-                         char axis);
+nlohmann::json to_json(const Layout& layout);
+/// One object (docs/formats.md, "Statistics"). `settings` is the frame's; `axis` names the slice set that was
+/// traversed.
+nlohmann::json to_json(const FrameStats& stats, const Layout& layout, const nlohmann::json& settings,
+                       char axis);
 
 }  // namespace ringsplat

@@ -6,6 +6,7 @@
 #include "base/srgb.hpp"
 #include "base/text.hpp"
 #include "frame/frame_geometry.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "frame/slices.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -261,13 +262,6 @@ SteerMessage steer_from(const json& j) {
 }
 
 }  // namespace
-
-json to_json(const TransferFunction& tf) {
-  json colours = json::array(), opacities = json::array();
-  for (const auto& p : tf.colours) colours.push_back({p.value, p.srgb.x, p.srgb.y, p.srgb.z});
-  for (const auto& p : tf.opacities) opacities.push_back({p.value, p.opacity});
-  return {{"name", tf.name}, {"colours", colours}, {"opacities", opacities}};
-}
 
 json to_json(const SceneState& s) {
   json clip, cut, planes = json::array(), channels = json::array(), tints = json::array();

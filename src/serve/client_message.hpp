@@ -45,7 +45,6 @@ struct SceneState {
   bool operator==(const SceneState&) const = default;
 };
 
-nlohmann::json to_json(const TransferFunction& tf);
 nlohmann::json to_json(const SceneState& scene);  ///< all that is the page's but the size
 
 /// JSON for a client, whatever texts are in it.

@@ -281,7 +281,7 @@ class Requests {
 
   /// The picture's file. Channels have functions of their own.
   Bytes bytes_of(const FrameResult& result, const File& file) const {
-    auto settings = nlohmann::json::parse(to_json_text(result.spec));
+    auto settings = to_json(result.spec);
     if (!file.asked.scene.channels.empty()) {
       settings.erase("transfer_function");
       settings["channels"] = to_json(file.asked.scene)["channels"];

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "frame/frame_geometry.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "volume/value_statistics.hpp"
 
 namespace ringsplat::serve {

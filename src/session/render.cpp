@@ -1,5 +1,7 @@
 #include "session/render.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "base/process.hpp"
 #include "base/thread_team.hpp"
 #include "frame/frame_geometry.hpp"
@@ -27,20 +29,14 @@ Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) 
   for (const int factor : load.factors) levels += fmt::format("{} ", factor);
   Facts facts = facts_of(grid);
   const Facts more{{"wire format", wire_format()},
-                   {"GPs", std::to_string(layout.gps)},
-                   {"Renderers", std::to_string(layout.renderers)},
-                   {"slices of a bundle", std::to_string(layout.bundle)},
-                   {"idle ranks", std::to_string(layout.idle)},
-                   {"roles", layout.placement == Placement::dedicated ? "dedicated" : "colocated"},
-                   {"topology", layout.topology == Topology::ring ? "ring" : "mesh"},
-                   {"mesh", fmt::format("{} x {}", layout.mesh_columns, layout.mesh_rows)},
-                   {"routing", layout.routing == Routing::manhattan ? "manhattan" : "direct"},
                    {"kept axes", axes},
                    {"normals", load.with_normals ? "kept" : "left out"},
                    {"levels", levels},
                    {"prefilter", load.prefilter ? "yes" : "no"},
                    {"clip box", load.clip ? text_of(*load.clip) : "none"}};
   facts.insert(facts.end(), more.begin(), more.end());
+  const auto roles = to_json(layout);
+  for (const auto& [what, value] : roles.items()) facts.push_back({what, value.dump()});
   return facts;
 }
 
@@ -63,7 +59,7 @@ std::unique_ptr<Engine> make_engine(Scene& scene, int rank, const Layout& layout
                     .threads = options.threads_per_rank,
                     .kept_bytes = kept / (1 + scene.others.size()),
                     // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order
-                    // (net/mesh.hpp).
+                    // (docs/protocol.md).
                     .skip_empty = !layout.routed(),
                     .take = std::move(take)};
   if (options.encodes_pictures)

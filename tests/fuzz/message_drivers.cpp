@@ -1,4 +1,5 @@
 // Messages between ranks while they render: headers, announcements, payloads, news and reports.
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "base/byte_stream.hpp"
@@ -39,7 +40,7 @@ std::vector<Input> message_seeds() {
 
 void run_frame_spec(std::span<const std::byte> input) {
   const FrameSpec spec = decode_frame_spec(copy_of(input));
-  static_cast<void>(to_json_text(spec));
+  static_cast<void>(to_json(spec).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
   check(spec);
   // Small, because a rank that announces a picture also holds it.
   constexpr std::int64_t most_pixels = 1 << 16;

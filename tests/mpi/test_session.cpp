@@ -9,6 +9,7 @@
 #include <csignal>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "base/log.hpp"
 #include "frame/frame_spec_bytes.hpp"
@@ -163,7 +164,7 @@ TEST_CASE("a session draws any views one after another: other axes, levels, clip
         }
   for (const FrameSpec& spec : frames) {
     const Image image = session.render(spec);
-    INFO(to_json_text(spec));
+    INFO(to_json(spec).dump());
     if (session.rank() == 0) REQUIRE(image == render_loopback(*volume.source(), spec, 1, 1).image);
   }
 }

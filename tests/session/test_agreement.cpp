@@ -33,9 +33,9 @@ TEST_CASE("a process that is given another grid, layout or view to load is named
       Catch::Matchers::Contains("rank 1 was given another scene to load: dimensions 16 x 16 x 24, rank 0 has "
                                 "8 x 8 x 12"));
   CHECK_THAT(refusal_of([](Grid&, Layout& layout, FrameSpec&) { layout.gps = 3; }),
-             Catch::Matchers::Contains("GPs 3, rank 0 has 2"));
+             Catch::Matchers::Contains("gps 3, rank 0 has 2"));
   CHECK_THAT(refusal_of([](Grid&, Layout& layout, FrameSpec&) { layout.bundle = 4; }),
-             Catch::Matchers::Contains("slices of a bundle 4, rank 0 has 1"));
+             Catch::Matchers::Contains("bundle 4, rank 0 has 1"));
   CHECK_THAT(refusal_of([](Grid&, Layout&, FrameSpec& frame) { frame.shown.shading = Shading::none; }),
              Catch::Matchers::Contains("normals left out, rank 0 has kept"));
 }
