@@ -205,7 +205,7 @@ class StallWatch {
   std::jthread thread_;  ///< last: it uses all of the above
 };
 
-constexpr int block_tag = 3, presence_tag = 4;
+constexpr int block_tag = 3;
 
 class MpiCollectives final : public Collectives {
  public:
@@ -278,25 +278,6 @@ class MpiCollectives final : public Collectives {
   void sum(std::span<std::uint64_t> values) override {
     call("MPI_Allreduce", MPI_Allreduce, MPI_Iallreduce, MPI_IN_PLACE, values.data(), int(values.size()),
          MPI_UINT64_T, MPI_SUM);
-  }
-
-  std::vector<int> absent(double seconds) override {
-    if (process() != 0) {
-      checked(MPI_Send(nullptr, 0, MPI_BYTE, 0, presence_tag, comm_.get()), "MPI_Send");
-      return {};
-    }
-    std::vector<int> missing(std::size_t(processes()) - 1);
-    std::iota(missing.begin(), missing.end(), 1);
-    const double until = now_seconds() + seconds;
-    while (true) {
-      // Reads the clock before it looks, so that answers that came while this process had no core still
-      // count.
-      const bool late = now_seconds() > until;
-      // One receive for each process: a fast one may already have sent its message for the next call.
-      std::erase_if(missing, [this](int p) { return take_signal(comm_.get(), p, presence_tag).has_value(); });
-      if (missing.empty() || late) return missing;
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
   }
 
   Processes part(int number) override {

@@ -32,9 +32,6 @@ class Collectives {
   virtual Block broadcast(Block block, int root) = 0;
   /// Adds up all processes' values, each by itself.
   virtual void sum(std::span<std::uint64_t> values) = 0;
-  /// On process 0: waits up to `seconds` and returns the processes that have not made the call by then,
-  /// ascending. Elsewhere: returns nothing, at once.
-  virtual std::vector<int> absent(double seconds) = 0;
 
   Patience patience;
 
@@ -61,7 +58,6 @@ class SoloCollectives final : public Collectives {
   std::vector<Block> all_gather(const Block& mine) override { return {mine}; }
   Block broadcast(Block block, int) override { return block; }
   void sum(std::span<std::uint64_t>) override {}
-  std::vector<int> absent(double) override { return {}; }
 };
 
 /// Every process hands in its error's text, or an empty one. If any is not empty, all throw the same

@@ -27,8 +27,6 @@ struct LoopbackOptions {
   int max_delay = 0;     ///< a message arrives up to that many turns late
   Between between = {};
   std::function<bool()> at_standstill = {};  ///< called when no rank can move: true when one can now
-  int stopping_rank = -1;                    ///< fault injection: this rank takes no more turns …
-  int stops_at_turn = 0;                     ///< … from this one on
   std::function<void()> poll = {};           ///< called between turns; may throw to end the run
 };
 

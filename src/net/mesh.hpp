@@ -13,16 +13,7 @@
 /// Where the mesh wraps, messages to Renderers on the right go up and messages to Renderers on the left go
 /// down; messages to GPs take the shorter way, down when both are as long.
 ///
-/// Why payloads never contend while tokens move in step. Let the token of Renderer k be at traversal step t
-/// − k at time t, so that the tokens occupy consecutive GPs, and let the mesh have at least as many columns
-/// C as rows N. (When slices are traversed in descending order, GPs and tokens both run backwards, and the
-/// same holds.)
-///  - Up to N Renderers: the tokens are in different columns, so no two payloads share a vertical link;
-///    every Renderer has its own row, so no two share a horizontal one.
-///  - Up to 2N: tokens k and k − C may share a column. Then k ≥ C ≥ N stands on the right and k − C < N on
-///    the left: one payload goes up, the other down. In a row, one payload goes right and one left.
-/// This is the rule "of a column's two active GPs the upper one sends up, the lower one down": token k − C
-/// is one row ahead.
+/// Why payloads never contend while tokens move in step: docs/protocol.md, Mesh.
 ///
 /// Hops, the last one into the Renderer included: |rows| + |columns| + 1 without wrap; with it the rows are
 /// counted in the direction of travel, modulo N.

@@ -33,20 +33,8 @@ inline bool travels_by_mesh(Kind kind) { return kind >= Kind::token && kind <= K
 /// of the link by which it came. What this rank's own nodes send waits here too; the protocol bounds that
 /// (one payload a token, the tiles and the report of a frame).
 ///
-/// No deadlock (Dally and Seitz 1987): number the channels (link, buffer class) such that a message only
-/// ever waits for a channel with a higher number than the one whose slot it keeps. In this order:
-///   1. links out of Renderers: nothing in transit comes through a Renderer, so nothing precedes them;
-///   2. vertical links of class 0, southward by row, northward by descending row. A message never changes
-///      between south and north;
-///   3. vertical links of class 1: the one over the seam first, then as in 2. A message stops before it is
-///      round, so it never comes to the seam a second time;
-///   4. horizontal links between GPs, westward by descending column, eastward by ascending column;
-///   5. links into Renderers.
-/// Messages at their destination give their slot back at once, whatever the nodes do: a Renderer keeps at
-/// most its slots + 1 payloads of each frame because a token does not move before its payload is accepted,
-/// a GP keeps at most its tokens, the frame buffer a frame's tiles. So the message in the highest channel
-/// can always move, and no chain of waiting messages closes. One slot a class is enough; more slots let
-/// several messages be on a link.
+/// Why no chain of waiting messages closes (Dally and Seitz 1987): docs/protocol.md, Mesh. One slot a class
+/// is enough; more slots let several messages be on a link.
 class MeshRouter {
  public:
   /// Called for every message that starts over a link.

@@ -73,7 +73,7 @@ class Launch {
     outcome.code = of_rank_0(outcome.code);
     return outcome;
   }
-  /// All ranks call it when their work is done. Throws RunError on rank 0 when some rank has not called it
+  /// All ranks call it when their work is done. Throws RunError when some rank has not called it
   /// when the collectives' patience is over: MPI_Finalize would wait for it for ever.
   void take_leave();
   [[noreturn]] void abort(ExitCode code) { MpiSession::abort(static_cast<int>(code)); }

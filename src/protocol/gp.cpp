@@ -171,7 +171,7 @@ class Gp final : public Node {
  private:
   /// Tokens start at the owner of the first slice that their Renderers draw, without layers the front slice,
   /// and visit slices in the traversal's order; that order keeps a mesh without layers free of contention
-  /// (net/mesh.hpp).
+  /// (docs/protocol.md).
   void start_tokens(Frame& frame) {
     for (int k = 0; k < my_.layout.renderers; ++k) {
       const int renderer = frame.plan.ascending ? k : my_.layout.renderers - 1 - k,
@@ -226,7 +226,7 @@ class Gp final : public Node {
     pass_token(frame, slice, {{place.step, place.renderer, place.sequence + 1}, credits - 1});
   }
 
-  /// In a mesh a token waits for every accept, so that without layers payloads never meet (net/mesh.hpp).
+  /// In a mesh a token waits for every accept, so that without layers payloads never meet (docs/protocol.md).
   std::uint32_t credits_of(std::uint32_t free_slots) const {
     return my_.layout.routed() ? 0 : std::min(free_slots, std::uint32_t(my_.options.send_ahead));
   }

@@ -291,17 +291,14 @@ inline void run_loopback(const Layout& layout, const ProtocolOptions& options,
   std::vector<std::size_t> order(ranks.size());
   std::iota(order.begin(), order.end(), 0);
   int quiet_turns = 0, pauses = 0;
-  for (std::int64_t turn = 0;
-       !std::all_of(ranks.begin(), ranks.end(), [](const auto& r) { return r->finished(); }); ++turn) {
+  while (!std::ranges::all_of(ranks, [](const auto& r) { return r->finished(); })) {
     if (loopback.poll) loopback.poll();
     // Asked before the ranks are: another thread may end the source while they look for its next frame.
     const bool more_may_come = source.may_come();
     if (loopback.reorder)
       for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[network.random_below(k)]);
-    const int stopped_rank = turn >= loopback.stops_at_turn ? loopback.stopping_rank : -1;
     bool moved = false;
-    for (const auto rank : order)
-      if (int(rank) != stopped_rank) moved = ranks[rank]->step() || moved;
+    for (const auto rank : order) moved = ranks[rank]->step() || moved;
     network.turn();
     quiet_turns = moved ? 0 : quiet_turns + 1;
     if (moved) pauses = 0;
@@ -319,8 +316,7 @@ inline void run_loopback(const Layout& layout, const ProtocolOptions& options,
     std::string who;
     for (const auto& rank : ranks) {
       const std::string what = rank->waiting_for();
-      who += fmt::format("\n  rank {}{}: {}", rank->rank(), rank->rank() == stopped_rank ? " (stopped)" : "",
-                         what.empty() ? "the next frame" : what);
+      who += fmt::format("\n  rank {}: {}", rank->rank(), what.empty() ? "the next frame" : what);
     }
     throw RunError("no rank can move and no message on its way can change that:" + who);
   }

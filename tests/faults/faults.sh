@@ -185,7 +185,7 @@ case $fault in
     kill -STOP "$(rank_pid "$idle")"
     await_end
     must_end_with 3
-    must_say "after the last frame rank $idle did not answer"
+    must_say "rank $idle has been silent after the last frame, of which all is written, for [0-9]+ s and does not answer"
     (($(find pictures -name 'f-*.exr' | wc -l) == 200)) || fail "pictures are missing"
     check_pictures
     ;;

@@ -27,7 +27,6 @@ class OtherProcess final : public Collectives {
     return root == process_ ? block : next();
   }
   void sum(std::span<std::uint64_t>) override {}
-  std::vector<int> absent(double) override { return {}; }
 
   std::vector<Block> sent;  ///< sent by all_to_all and broadcast
 

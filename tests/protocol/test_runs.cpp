@@ -166,8 +166,23 @@ TEST_CASE("what is called between turns may end the run") {
   CHECK(calls == 5);
 }
 
-TEST_CASE("a rank that stops ends the run with a report of who waits for whom") {
+TEST_CASE("a rank that hears nothing any more ends the run with a report of who waits for whom") {
+  class Deaf final : public TransportDecorator {
+   public:
+    using TransportDecorator::TransportDecorator;
+    void send(int destination, Message message) override { inner_.send(destination, std::move(message)); }
+    std::optional<Message> receive() override {
+      return rank() == 1 && heard_ == 3 ? std::nullopt : (++heard_, inner_.receive());
+    }
+
+   private:
+    int heard_ = 0;
+  };
+  LoopbackOptions loopback;
+  loopback.between.pace = [](Transport& links) { return std::make_unique<Deaf>(links); };
   const ToyFrame frame{.steps = 6, .gps = 2, .renderers = 1};
-  CHECK_THROWS_WITH(run_all({2, 1}, {.slots = 1}, {frame}, {.stopping_rank = 1, .stops_at_turn = 3}),
-                    Catch::Matchers::Contains("rank 1 (stopped)"));
+  CHECK_THROWS_WITH(
+      run_all({2, 1}, {.slots = 1}, {frame}, loopback),
+      Catch::Matchers::Contains("no rank can move") &&
+          Catch::Matchers::Contains("rank 1: GP 1 waits for 1 token(s) of step 1 of frame 0 from GP 0"));
 }

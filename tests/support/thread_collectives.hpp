@@ -68,7 +68,6 @@ class ThreadCollectives final : public Collectives {
       for (std::size_t k = 0; k < its.size(); ++k) values[k] += its[k];
     }
   }
-  std::vector<int> absent(double) override { return {}; }
   std::size_t sent() const { return sent_; }  ///< bytes, one for all receivers
   /// The most bytes that were sent or received in one exchange of blocks.
   std::size_t most() const { return most_; }
