@@ -33,14 +33,14 @@ python3 "$repo/scripts/studies/simulated_job.py" "$work/job" "$work/hosts" "$@" 
 # RINGSPLAT_* for the platform, and `arguments` for the program.
 source "$work/job"
 
-# Copies of the program, one for each rank, are made there.
-if [[ -w /dev/shm ]]; then export TMPDIR=/dev/shm; fi
 # No host timing anywhere, and a network whose times are hops * latency + bytes / bandwidth.
 exact=(
   --cfg=smpi/simulate-computation:no --cfg=smpi/wtime:0 --cfg=smpi/test:0 --cfg=smpi/async-small-thresh:0
   --cfg=network/model:CM02 --cfg=network/crosstraffic:no --cfg=network/TCP-gamma:1e15
   --cfg=smpi/coll-selector:ompi --cfg=smpi/bcast:binomial_tree
   --cfg=contexts/stack-size:1024 --log=root.thresh:critical
+  # Ranks share the program's variables, which are the same for all.
+  --cfg=smpi/privatization:no
 )
 status=0
 program=("$build/ringsplat_smpi.so" render "${arguments[@]}")

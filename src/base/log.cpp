@@ -10,19 +10,20 @@
 namespace ringsplat {
 namespace {
 
-std::string rank_name;  ///< such as " [rank 3]", where lines have it
-LogLevel least_level = LogLevel::info;
-bool is_first_rank = true;
+int own_rank = 0;
+bool says_all = false;
+
+int this_rank() { return log_rank_in_use != nullptr ? log_rank_in_use() : own_rank; }
+std::string name_of(int rank) { return rank == 0 && !says_all ? "" : fmt::format(" [rank {}]", rank); }
 
 std::function<void(LogLevel, const std::string&)> log_sink;
 
 }  // namespace
 
 void set_log_rank(int rank, bool verbose) {
-  is_first_rank = rank == 0;
-  rank_name = rank == 0 && !verbose ? "" : fmt::format(" [rank {}]", rank);
-  name_in_lack_of_memory(rank_name);
-  least_level = verbose ? LogLevel::debug : rank == 0 ? LogLevel::info : LogLevel::warning;
+  own_rank = rank;
+  says_all = verbose;
+  name_in_lack_of_memory(name_of(rank));
 }
 
 void set_log_sink(std::function<void(LogLevel level, const std::string& text)> sink) {
@@ -30,10 +31,11 @@ void set_log_sink(std::function<void(LogLevel level, const std::string& text)> s
 }
 
 void log_to_stderr(LogLevel level, const std::string& text) {
-  if (level < least_level) return;
+  const int rank = this_rank();
+  if (level < (says_all ? LogLevel::debug : rank == 0 ? LogLevel::info : LogLevel::warning)) return;
   constexpr const char* names[] = {"debug", "info", "warning", "error"};
   const std::string line =
-      fmt::format("ringsplat{}: {}: {}\n", rank_name, names[std::size_t(level)], printable(text));
+      fmt::format("ringsplat{}: {}: {}\n", name_of(rank), names[std::size_t(level)], printable(text));
   // One call: lines of several threads do not mix.
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
@@ -46,7 +48,7 @@ void log_line(LogLevel level, const std::string& text) {
 }
 
 void log_line_once(LogLevel level, const std::string& text) {
-  if (!is_first_rank) return;
+  if (this_rank() != 0) return;
   static std::mutex mutex;
   static std::set<std::string> said;
   {

@@ -12,6 +12,8 @@ enum class LogLevel { debug, info, warning, error };
 
 /// Names this process in every line; a rank other than 0 says only warnings and errors unless `verbose`.
 void set_log_rank(int rank, bool verbose);
+/// Which rank it is that talks, where several share the process.
+inline int (*log_rank_in_use)() = nullptr;
 /// Passes all lines, of every level, to `sink` instead of stderr; an empty one ends that. Other threads may
 /// log, so it is called from them, too.
 void set_log_sink(std::function<void(LogLevel level, const std::string& text)> sink);

@@ -136,6 +136,15 @@ std::vector<std::filesystem::path> own_search_path() {
   return folders;
 }
 
+void Unmap::operator()(std::byte* memory) const { munmap(memory, bytes); }
+
+MappedMemory map_memory(std::size_t bytes) {
+  void* const memory =
+      mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (memory == MAP_FAILED) throw std::bad_alloc();
+  return {static_cast<std::byte*>(memory), {bytes}};
+}
+
 void prefer_huge_pages([[maybe_unused]] void* memory, [[maybe_unused]] std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
   constexpr std::size_t page = std::size_t{1} << 21;

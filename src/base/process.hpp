@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -35,6 +36,15 @@ std::filesystem::path own_folder();
 
 /// The folders where the loader looks for that program's or library's own libraries.
 std::vector<std::filesystem::path> own_search_path();
+
+struct Unmap {
+  std::size_t bytes = 0;
+  void operator()(std::byte* memory) const;
+};
+/// Its deleter knows how many bytes there are.
+using MappedMemory = std::unique_ptr<std::byte[], Unmap>;
+/// Zeros, of which only pages that are touched take memory. Throws std::bad_alloc.
+MappedMemory map_memory(std::size_t bytes);
 
 /// Asks for large pages for memory that is not yet in use. Slices, tables and pictures are read all over, and
 /// finding a page takes longer than reading from it, above all in virtual machines. Only a hint: the system

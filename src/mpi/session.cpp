@@ -10,12 +10,22 @@
 
 #include "base/clock.hpp"
 #include "base/lack_of_memory.hpp"
+#include "base/log.hpp"
 #include "mpi/connections.hpp"
 #include "net/launcher.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {
+namespace {
+
+int rank_in_world() {
+  int rank = -1;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  return rank;
+}
+
+}  // namespace
 
 MpiSession::MpiSession(int& argc, char**& argv) {
   // With less MPI may fail without a word of ours, or ranks may wait for each other for ever.
@@ -31,7 +41,9 @@ MpiSession::MpiSession(int& argc, char**& argv) {
     throw RunError("this MPI allows no thread beside the one that calls it, but pictures are written by one",
                    "use an MPI library with MPI_THREAD_FUNNELED");
   }
-  if (simulated()) clock_in_use = [] { return MPI_Wtime(); };
+  if (!simulated()) return;
+  clock_in_use = [] { return MPI_Wtime(); };
+  log_rank_in_use = rank_in_world;
 }
 
 MpiSession::~MpiSession() { MPI_Finalize(); }
@@ -77,11 +89,10 @@ std::string MpiSession::library() {
 void checked(int code, const char* call) {
   if (code == MPI_SUCCESS) return;
   char words[MPI_MAX_ERROR_STRING] = {};
-  int length = 0, rank = -1;
+  int length = 0;
   MPI_Error_string(code, words, &length);
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  throw RunError(
-      fmt::format("{} failed on rank {}: {}", call, rank, std::string(words, std::size_t(length))));
+  throw RunError(fmt::format("{} failed on rank {}: {}", call, rank_in_world(),
+                             std::string(words, std::size_t(length))));
 }
 
 std::optional<int> take_signal(MPI_Comm comm, int source, int tag) {

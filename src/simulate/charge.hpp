@@ -2,6 +2,7 @@
 #include <cmath>
 #include <ctime>
 
+#include "base/log.hpp"
 #include "net/launcher.hpp"
 
 // A function of SimGrid's, as in net/launcher.hpp.
@@ -9,13 +10,15 @@ extern "C" int smpi_nanosleep(const timespec* time, timespec* left) __attribute_
 
 namespace ringsplat {
 
-/// How many times as long as on others computing takes on this rank, of which SMPI gives each its own.
+/// On which rank, if any, computing takes how many times as long as on others. Ranks share the variables.
+inline int slow_rank = -1;
 inline double slowness = 1;
 
 /// Advances this rank's simulated clock by so many seconds of computing; does nothing outside of a
 /// simulation.
 inline void charge(double seconds) {
-  if (simulated() && seconds > 0) smpi_execute_benched(slowness * seconds);
+  if (simulated() && seconds > 0)
+    smpi_execute_benched((slow_rank >= 0 && log_rank_in_use() == slow_rank ? slowness : 1) * seconds);
 }
 
 /// Lets so many seconds of the simulated clock pass without computing; does nothing outside of a simulation.

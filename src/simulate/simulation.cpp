@@ -25,7 +25,8 @@ class ChargedTransport final : public TransportDecorator {
         machine_(machine),
         count_only_(count_only),
         shared_(shares_cores(machine, transport.ranks())) {
-    slowness = machine.slow.rank == transport.rank() ? machine.slow.factor : 1;
+    slow_rank = machine.slow.rank;
+    slowness = machine.slow.factor;
   }
 
   void send(int destination, Message message) override {

@@ -7,10 +7,10 @@
 #include <cstring>
 #include <deque>
 #include <list>
-#include <new>
 #include <vector>
 
 #include "base/byte_stream.hpp"
+#include "base/process.hpp"
 #include "mpi/connections.hpp"
 #include "ringsplat/base/error.hpp"
 #include "simulate/counted_payload.hpp"
@@ -27,17 +27,9 @@ constexpr std::size_t receives = 12;
 /// Reserves address space for messages of any size; only touched pages take memory.
 class ReceiveBuffers {
  public:
-  explicit ReceiveBuffers(std::size_t largest) : largest_(largest) {
-    void* const memory = mmap(nullptr, receives * largest_, PROT_READ | PROT_WRITE,
-                              MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (memory == MAP_FAILED) throw std::bad_alloc();
-    memory_ = static_cast<std::byte*>(memory);
-  }
-  ~ReceiveBuffers() { munmap(memory_, receives * largest_); }
-  ReceiveBuffers(const ReceiveBuffers&) = delete;
-  ReceiveBuffers& operator=(const ReceiveBuffers&) = delete;
+  explicit ReceiveBuffers(std::size_t largest) : largest_(largest), memory_(map_memory(receives * largest)) {}
 
-  std::byte* at(std::size_t index) const { return memory_ + index * largest_; }
+  std::byte* at(std::size_t index) const { return memory_.get() + index * largest_; }
   /// Whether a message has come since `clear`. The simulator copies it within this process when its transfer
   /// ends, so looking costs nothing. MPI_Testany would call the simulator for each look; and SimGrid 3.32
   /// leaves requests completed by a test in a list that every later event walks, while it removes those that
@@ -59,7 +51,7 @@ class ReceiveBuffers {
 
  private:
   std::size_t largest_;
-  std::byte* memory_;
+  MappedMemory memory_;
 };
 
 /// Blocks in MPI until a message is here or one has left: with simulated MPI polling an empty queue costs
