@@ -30,13 +30,14 @@ void fields(Describes<Reduction> auto& reduction, auto&& visit) {
 }
 
 void fields(Describes<Shown> auto& shown, auto&& visit) {
-  auto& [camera, width, height, transfer_function, interpolation, mode, isovalue, mixed, values, depth,
+  auto& [camera, width, height, transfer_function, interpolation, mode, isovalue, mixed, values, holes, depth,
          shading, material, light, opacity_correction, opaque_threshold, reduction, clip, clip_planes, cut,
          edges, tints] = shown;
   visit("camera", camera), visit("width", width), visit("height", height);
   visit("transfer_function", transfer_function), visit("interpolation", interpolation);
   visit("mode", mode), visit("isovalue", isovalue), visit("mixed", mixed);
-  visit("values", values), visit("depth", depth), visit("shading", shading), visit("material", material);
+  visit("values", values), visit("holes", holes), visit("depth", depth);
+  visit("shading", shading), visit("material", material);
   visit("light", light), visit("opacity_correction", opacity_correction);
   visit("opaque_threshold", opaque_threshold), visit("reduction", reduction), visit("clip", clip);
   visit("clip_planes", clip_planes), visit("cut", cut), visit("edges", edges), visit("tints", tints);

@@ -117,6 +117,7 @@ MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, Shown& 
   shown.mode = colour_.mode;
   if (made.labels && colour_.slice) show_labels(shown);
   shown.values = colour_.values;
+  shown.holes = values.range.not_finite > 0;
   return {said, made.labels};
 }
 

@@ -111,7 +111,7 @@ void PaintedVolume::make_ready() {
   paint_.light_points = frame_->sheets.light_points;
   paint_.opaque_threshold = static_cast<float>(frame_->shown.opaque_threshold);
   paint_.face_pieces = 0.5F * float(frame_->slabs());
-  paint_.projection = make_projection(*frame_, code);
+  paint_.projection = make_projection(*frame_, scale_);
   for (const LatticePlane& plane : geometry().clip_planes)
     paint_.clip_planes[std::size_t(paint_.clip_plane_count++)] = make_sheet_plane(plane, geometry());
 }
@@ -140,7 +140,7 @@ ProjectedVolume PaintedVolume::projected(int last_step) {
   const SliceLabels labels = geometry().slices == 1 && last_step == 0 && scale_.code.labelled
                                  ? SliceLabels{planes_.labels(0), planes_.pitch(), tints_.data()}
                                  : SliceLabels{};
-  return {*frame_, colours_, make_projection(*frame_, scale_.code), scale_.code, labels};
+  return {*frame_, colours_, make_projection(*frame_, scale_), scale_, labels};
 }
 
 }  // namespace ringsplat

@@ -23,10 +23,16 @@ double dimming(const TransferFunction& tf) {
   return -std::log2(1 - std::min(densest, most));
 }
 
-/// The values up to which, or for the least down to which, all extrema look alike.
-double seen_from(const SheetFrame& frame) {
+/// The values up to which, or for the least down to which, all extrema look alike. Where holes are told from
+/// these it lies beyond all values, by as much as floats that are whole numbers stay exact with.
+double seen_from(const SheetFrame& frame, const ValueScale& scale) {
+  const bool least = frame.shown.mode == Mode::minip;
+  if (frame.tells_holes()) {
+    const double beyond = std::exp2(std::ilogb(scale.high - scale.low) - 8.0);
+    return least ? scale.high + beyond : scale.low - beyond;
+  }
   const auto& unseen = frame.transparent.intervals().front();
-  return frame.shown.mode == Mode::minip ? unseen.low : unseen.high;
+  return least ? unseen.low : unseen.high;
 }
 
 /// A pixel's ray in slices that count from the middle one: at k it is at from + k slope along u or v.
@@ -94,7 +100,8 @@ struct PixelRay {
 
 }  // namespace
 
-Projection make_projection(const SheetFrame& frame, const PlaneCode& code) {
+Projection make_projection(const SheetFrame& frame, const ValueScale& scale) {
+  const PlaneCode& code = scale.code;
   const TransferFunction& tf = frame.shown.transfer_function;
   Projection p;
   p.mode = frame.shown.mode;
@@ -103,9 +110,9 @@ Projection make_projection(const SheetFrame& frame, const PlaneCode& code) {
   p.unit = float(frame.step_length() * frame.unit_length() / code.scale);
   if (takes_extremum(p.mode)) {
     const auto [first, last] = ends_of(tf);
-    const double from = seen_from(frame), to = p.mode == Mode::mip     ? last
-                                               : p.mode == Mode::minip ? first
-                                                                       : tf.colours.back().value;
+    const double from = seen_from(frame, scale), to = p.mode == Mode::mip     ? last
+                                                      : p.mode == Mode::minip ? first
+                                                                              : tf.colours.back().value;
     p.sign = p.mode == Mode::minip ? -1 : 1;
     p.least = float(code.of(from));
     p.most = float(std::max((to - from) * p.sign * code.scale, 0.0));
@@ -148,20 +155,21 @@ struct PixelColour {
   explicit PixelColour(const ProjectedVolume& volume)
       : v(volume),
         extremum(takes_extremum(v.projection.mode)),
-        from(extremum ? seen_from(v.frame) : 0),
-        of_number(extremum ? v.projection.sign / v.code.scale : 1),
+        from(extremum ? seen_from(v.frame, v.scale) : 0),
+        of_number(extremum ? v.projection.sign / v.scale.code.scale : 1),
         slice_length(v.frame.step_length() * v.frame.unit_length()) {}
 
   /// Whether rays that have taken nothing show nothing.
-  bool starts_clear() const { return is_place() || v.colours.at(from).a == 0; }
+  bool starts_clear() const { return is_place() || v.frame.tells_holes() || v.colours.at(from).a == 0; }
 
   glm::vec4 of(float taken, bool found, const PixelRay& ray, double crossed, const SheetRays& rays) const {
     const FrameGeometry& g = v.frame.geometry;
     double value = from + of_number * taken;
+    if (v.frame.tells_holes()) value = of_number < 0 ? std::min(value, ends.high) : std::max(value, ends.low);
     if (v.projection.mode == Mode::mean) value /= crossed * slice_length * ray.step(rays);
     // Behind the plane through the volume's middle, in world lengths.
     if (is_place()) value = g.view.project(ray.at(taken, g)).z / g.view.pixels_per_unit;
-    if (is_place() ? !found : !(crossed > 0)) return glm::vec4(0);
+    if (is_place() ? !found : !(crossed > 0) || (v.frame.tells_holes() && taken == 0)) return glm::vec4(0);
     if (v.projection.values) return {glm::vec3(float(value)), 1};
     const glm::vec4 colour = v.colours.at(value);
     return v.labels.plane == nullptr ? colour : tinted(colour, ray, rays);
@@ -181,6 +189,7 @@ struct PixelColour {
   const ProjectedVolume& v;
   const bool extremum;
   const double from, of_number, slice_length;
+  const DataRange ends = ends_of(v.frame.shown.transfer_function);
 };
 
 }  // namespace

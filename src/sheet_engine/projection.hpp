@@ -5,13 +5,13 @@
 
 #include "raster/region_image.hpp"
 #include "sheet_engine/paint_group.hpp"
+#include "sheet_engine/place_map.hpp"
 #include "sheet_engine/sheet_frame.hpp"
-#include "sheet_engine/table_axis.hpp"
 
 namespace ringsplat {
 
 /// What a frame's rays project, in the numbers of planes.
-Projection make_projection(const SheetFrame& frame, const PlaneCode& code);
+Projection make_projection(const SheetFrame& frame, const ValueScale& scale);
 
 /// What colours a single slice beside its values.
 struct SliceLabels {
@@ -39,13 +39,13 @@ struct ProjectedVolume {
   const SheetFrame& frame;
   const ProjectionColours& colours;
   Projection projection;
-  PlaneCode code;
+  ValueScale scale;
   SliceLabels labels = {};
 };
 
 /// Turns what a region's pixels have taken of `volumes` (paint_group.hpp), each in its place, into their
 /// colours, or the sum of these, which is at most 1. Rays that meet the box have a value, too, where nothing
-/// was taken. `more`: the further values; null: there are none.
+/// was taken, but for frames that tell holes. `more`: the further values; null: there are none.
 void colour_region(std::span<const ProjectedVolume> volumes, const SheetRays& rays, RegionImage& image,
                    RegionImage* more);
 

@@ -9,7 +9,7 @@ std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const 
                                                    RegionDealer* dealer) {
   auto frame = std::make_shared<SheetFrame>(spec, make_geometry(spec, grid), dealing, renderers, dealer);
   frame->sheets = spec.as<Sheets>();
-  frame->transparent = transparent_values(spec.shown);
+  frame->transparent = transparent_values(spec.shown, grid.type);
   if (frame->geometry.layers.slices > 0) frame->plan.shares = shares_of_layers(*frame, renderers);
   return frame;
 }
@@ -21,7 +21,7 @@ std::shared_ptr<const SheetFrame> with_others(std::shared_ptr<const SheetFrame> 
     auto frame = std::make_shared<SheetFrame>(*first);
     frame->volume = one.volume;
     frame->shown = one.spec.shown;
-    frame->transparent = transparent_values(one.spec.shown);
+    frame->transparent = transparent_values(one.spec.shown, first->geometry.grid.type);
     return frame;
   };
   const auto all = of(frames.front());
@@ -43,6 +43,7 @@ bool drawn_together(const std::vector<FrameOfVolume>& frames) {
     FrameSpec same = one.spec;
     same.shown.transfer_function = shown.transfer_function;
     same.shown.isovalue = shown.isovalue;  // of surfaces
+    same.shown.holes = shown.holes;
     if (mixes) same.shown.interpolation = shown.interpolation;
     return same == first;
   });

@@ -26,6 +26,10 @@ struct SheetFrame : SharedFrame {
   /// Whether labels tint what is shown: slabs, or the place of a single slice.
   bool tinted() const { return !shown.tints.empty() && (composites() || geometry.slices == 1); }
   bool composites() const { return shown.mode == Mode::composite; }
+  /// Whether rays that meet only holes must be told from those of the least value: nothing is transparent.
+  bool tells_holes() const {
+    return (shown.mode == Mode::mip || shown.mode == Mode::minip) && transparent.intervals().empty();
+  }
   /// Whether slabs count by their lengths, and not all alike.
   bool by_length() const { return shown.opacity_correction || !composites(); }
   /// A ray's length from slice to slice, in unit lengths.

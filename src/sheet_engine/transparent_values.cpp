@@ -37,7 +37,7 @@ TransparentValues::TransparentValues(const TransferFunction& tf) {
   }
 }
 
-TransparentValues transparent_values(const Shown& shown) {
+TransparentValues transparent_values(const Shown& shown, ScalarType type) {
   using Intervals = std::vector<TransparentValues::Interval>;
   const TransparentValues clear(shown.transfer_function);
   const auto& intervals = clear.intervals();
@@ -46,16 +46,19 @@ TransparentValues transparent_values(const Shown& shown) {
   const double clear_to = low_end ? intervals.front().high : -infinity,
                clear_from = high_end ? intervals.back().low : infinity;
   const auto [first, last] = ends_of(shown.transfer_function);
+  const bool holes = shown.holes && !is_whole(type);
   switch (shown.mode) {
     case Mode::composite:
       return clear;
     case Mode::mip:
+      if (holes && (shown.values || !low_end)) return {};
       // All extrema up to the function's first point look alike, and those that are clear.
       return TransparentValues(Intervals{{-infinity, std::max(clear_to, first), true, true}});
     case Mode::attenuated:
       return TransparentValues(
           Intervals{{-infinity, shown.transfer_function.colours.front().value, true, true}});
     case Mode::minip:
+      if (holes && (shown.values || !high_end)) return {};
       return TransparentValues(Intervals{{std::min(clear_from, last), infinity, true, true}});
     case Mode::mean:
     case Mode::sum:

@@ -35,9 +35,9 @@ class TransparentValues {
   std::vector<Interval> intervals_;
 };
 
-/// Of a picture in its mode: what is clear, too small an extremum, an integral of nothing, or on one side of
-/// the surface.
-TransparentValues transparent_values(const Shown& shown);
+/// Of a picture in its mode: what is clear, too small an extremum (none, where it shows and holes may be), an
+/// integral of nothing, or on one side of the surface.
+TransparentValues transparent_values(const Shown& shown, ScalarType type);
 
 /// What stands for the voxels of blocks that were left out: numbers that are as transparent as they are, by
 /// the interval that holds them; the last one is not a number.

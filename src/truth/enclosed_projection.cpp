@@ -43,7 +43,10 @@ class Projector : EnclosedTracer {
   PixelBounds operator()(Pixel pixel) const {
     return seen_by(pixel, [&](const LatticeRay& ray, const Way& way) {
       if (shown_.mode == Mode::surface) return first_surface(ray, way);
-      return coloured(shown_.mode == Mode::attenuated ? dimmed(ray, way) : projected(ray, way), ray, way);
+      if (shown_.mode == Mode::attenuated) return coloured(dimmed(ray, way), ray, way);
+      const auto [value, surely] = projected(ray, way);
+      const EnclosedPiece seen = coloured(value, ray, way);
+      return surely ? seen : either(seen, {});
     });
   }
 
@@ -77,15 +80,17 @@ class Projector : EnclosedTracer {
     return Stretch{value, values, true};
   }
 
-  /// A ray's extremum, mean or integral.
-  Interval projected(const LatticeRay& ray, const Way& way) const {
+  /// A ray's extremum, mean or integral, and whether it surely has one.
+  std::pair<Interval, bool> projected(const LatticeRay& ray, const Way& way) const {
     const TransferFunction& tf = shown_.transfer_function;
     const bool greatest = shown_.mode == Mode::mip;
     Interval extremum = greatest ? Interval(std::min(tf.colours.front().value, tf.opacities.front().value))
                                  : Interval(std::max(tf.colours.back().value, tf.opacities.back().value));
     Interval integral = 0, length = 0, met = Interval::empty();
+    bool surely = false;
     for_stretches(ray, way, [&](const std::optional<Stretch>& s, const Passage& passage) {
       length += passage.length;
+      surely = surely || (s && s->sure);
       if (!s || !s->sure) met = hull(met, Interval(0));
       if (!s) return true;
       const auto& [p0, p1, p2, p3] = s->value;
@@ -103,9 +108,9 @@ class Projector : EnclosedTracer {
       met = hull(met, s->values);
       return true;
     });
-    if (shown_.mode == Mode::sum) return integral * scene_.grid.unit_length();
-    if (shown_.mode != Mode::mean) return extremum;
-    return length.lower() > 0 ? clamped(integral / length, met.lower(), met.upper()) : met;
+    if (shown_.mode == Mode::sum) return {integral * scene_.grid.unit_length(), true};
+    if (shown_.mode != Mode::mean) return {extremum, surely};
+    return {length.lower() > 0 ? clamped(integral / length, met.lower(), met.upper()) : met, true};
   }
 
   /// What was seen of a ray from the front.

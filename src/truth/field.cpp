@@ -24,6 +24,7 @@ class FieldIntegrator : Tracer {
     if (shown_.mode != Mode::composite) {
       const bool attenuated = shown_.mode == Mode::attenuated;
       const double value = attenuated ? dimmed(ray) : projected(ray);
+      if (std::isnan(value)) return Rgba(0.0);
       if (shown_.values) return Rgba(glm::dvec3(value), 1);
       const auto sample = curve_.at(value);
       const double opacity = attenuated ? 1 : sample.opacity;
@@ -63,7 +64,7 @@ class FieldIntegrator : Tracer {
                        [&](double s) { return values->at(ray.at(s) - glm::dvec3(crossing.corner)); });
   }
 
-  /// A ray's extremum, mean or integral.
+  /// A ray's extremum, mean or integral; not-a-number for the extremum of nothing else.
   double projected(const LatticeRay& ray) const {
     const TransferFunction& tf = shown_.transfer_function;
     const auto further = [&](double a, double b) {
@@ -73,14 +74,17 @@ class FieldIntegrator : Tracer {
                           ? std::min(tf.colours.front().value, tf.opacities.front().value)
                           : std::max(tf.colours.back().value, tf.opacities.back().value),
            integral = 0;
+    bool met = false;
     for (const Crossing& crossing : crossings(ray)) {
       const auto cubic = cubic_in(ray, crossing);
       if (!cubic) continue;
+      met = true;
       for (const double s : monotone_pieces(*cubic)) extremum = further(extremum, cubic->at(s));
       integral += (crossing.leave - crossing.enter) * (cubic->at(0) + 4 * cubic->at(0.5) + cubic->at(1)) / 6;
     }
     if (shown_.mode == Mode::sum) return integral * scene_.grid.unit_length();
-    return shown_.mode == Mode::mean ? integral / (ray.leave - ray.enter) : extremum;
+    if (shown_.mode == Mode::mean) return integral / (ray.leave - ray.enter);
+    return met ? extremum : std::numeric_limits<double>::quiet_NaN();
   }
 
   /// The most of what is left of values in the colours' window behind others.

@@ -28,8 +28,9 @@ namespace ringsplat::truth {
 /// In the other modes nothing is integrated by rule: values are cubic along a ray inside a cell, so their
 /// extrema, integral, and first crossing of a value follow in closed form. What lies beside not-a-number
 /// counts as no value, which adds nothing; an extremum is never below the function's first point, or above
-/// its last one for the least. Of what is left of a value behind others the integral is closed, and the
-/// largest is found between places where the value turns or leaves the colours' window.
+/// its last one for the least, and rays that meet no value at all have none. Of what is left of a value
+/// behind others the integral is closed, and the largest is found between places where the value turns or
+/// leaves the colours' window.
 std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels, double tolerance = 1e-6);
 
 /// The emission-absorption integral of the formula `field` itself over the unit cube, which is the box of the

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "frame/slices.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "truth_support.hpp"
@@ -290,6 +291,38 @@ TEST_CASE("values that are not a number are no values in any mode") {
     const FrameSpec spec = mode_spec(mode, cameras[0], 0, mode == Mode::sum ? 8 : 1);
     CHECK(largest_difference(rendered(volume, spec), field_image(volume, spec)) < 0.5 / 255);
   }
+}
+
+TEST_CASE("a ray that meets nothing but holes has no extremum, and is no ray of the least value") {
+  const Volume volume = make_volume({17, 16, 15}, ScalarType::float32, [](int x, int y, int z) {
+    return y > 9 || (x > 7 && y > 5) ? std::numeric_limits<double>::quiet_NaN()
+           : x < 3                   ? 2.0
+                                     : (3 * x + 5 * y + 7 * z) % 10;
+  });
+  for (const Mode mode : {Mode::mip, Mode::minip})
+    for (const Camera& camera : cameras)
+      for (const bool values : {false, true})
+        for (const bool slice : {false, true}) {
+          FrameSpec spec = mode_spec(mode, camera, 2, 9);
+          spec.shown.values = values;
+          if (slice) spec.shown.clip_planes = planes_of_slice({{1, 0.4, 1}, 0.3}, volume.grid);
+          const Image image = rendered(volume, spec), truth = field_image(volume, spec);
+          const truth::Scene scene = scene_of(volume, spec);
+          int clear = 0, apart = 0, met = 0;
+          for (std::size_t k = 3; k < image.rgba.size(); k += 4) {
+            const truth::Pixel pixel{int(k / 4 % 41), int(k / 4 / 41)};
+            const bool meets =
+                truth::Rays(scene).through(pixel).enter < truth::Rays(scene).through(pixel).leave;
+            clear += meets && truth.rgba[k] == 0;
+            met += truth.rgba[k] == 1;
+            apart +=
+                std::abs(image.rgba[k - 3] - truth.rgba[k - 3]) > 0.01F || image.rgba[k] != truth.rgba[k];
+          }
+          CAPTURE(name(mode), camera.azimuth, values, slice, clear, met);
+          CHECK(clear > (slice ? 40 : 0));
+          CHECK(met > 40);
+          CHECK(apart == 0);
+        }
 }
 
 TEST_CASE("a lit surface is as bright as the field's truth") {

@@ -67,6 +67,7 @@ struct Shown {
   /// far as the transfer function's points reach; means; integrals over world lengths; of Mode::surface and
   /// Mode::composite depths: world lengths along the view, behind the plane through the volume's middle.
   bool values = false;
+  bool holes = true;  ///< some voxels may be not-a-number: rays that meet no others have no extremum
   /// The picture gets depths, too (Image::depth): of a surface, or with Mode::composite of where a ray's
   /// opacity reaches this, above 0 and below 1; with `values` and none half. By sheets, and a second frame.
   std::optional<double> depth = std::nullopt;
