@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
 
 #include "volume/cell_ranges.hpp"
 
@@ -11,10 +13,10 @@ namespace {
 constexpr double everywhere = 1e9;
 
 /// As std::floor, which is a call where processors need not know it; blocks ask for it four times each.
-std::int64_t floored(double x) {
+int floored(double x) {
   const double limited = std::clamp(x, -everywhere, everywhere);
-  const auto whole = std::int64_t(limited);
-  return whole - (double(whole) > limited ? 1 : 0);
+  const int whole = static_cast<int>(limited);
+  return whole - (whole > limited ? 1 : 0);
 }
 
 /// Where a view shows a lattice point, times its depth, and that depth: linear in the points. An orthographic
@@ -74,6 +76,30 @@ PixelWindow BlockWindows::of(int column, int row, int slice) const {
   // A pixel's ray goes through its centre, half a pixel behind its number.
   return {floored(centre.x - half_.x - 0.5), floored(centre.y - half_.y - 0.5),
           floored(centre.x + half_.x + 0.5), floored(centre.y + half_.y + 0.5)};
+}
+
+PixelRect BlockWindows::blocks_in(const PixelWindow& pixels, int slice, int columns, int rows) const {
+  const PixelRect all{0, 0, columns, rows};
+  glm::dvec2 low(everywhere), high(-everywhere);
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec2 pixel((corner & 1) != 0 ? pixels.x1 + 2 : pixels.x0 - 1,
+                           (corner & 2) != 0 ? pixels.y1 + 2 : pixels.y0 - 1);
+    // The place in the slice, or in the planes before and after it, whose block has its centre there.
+    const glm::dvec3 first = first_ + double(slice) * slice_ + ((corner & 4) != 0 ? reach_[2] : -reach_[2]);
+    const glm::dvec2 along_columns = glm::dvec2(column_) - pixel * column_.z,
+                     along_rows = glm::dvec2(row_) - pixel * row_.z, to = pixel * first.z - glm::dvec2(first);
+    const glm::dvec2 block = glm::inverse(glm::dmat2(along_columns, along_rows)) * to;
+    // From an eye that looks along the slice there is no such place, or one behind the eye.
+    if (!(glm::length(block) < everywhere) || !(first.z + block.x * column_.z + block.y * row_.z > 0))
+      return all;
+    low = glm::min(low, block);
+    high = glm::max(high, block);
+  }
+  const glm::dvec2 around(1 + glm::length(reach_[0]) / glm::length(column_),
+                          1 + glm::length(reach_[1]) / glm::length(row_));
+  low = glm::clamp(glm::floor(low - around), glm::dvec2(0), glm::dvec2(columns, rows));
+  high = glm::clamp(glm::ceil(high + around), glm::dvec2(0), glm::dvec2(columns, rows));
+  return {int(low.x), int(low.y), int(high.x), int(high.y)};
 }
 
 PixelWindow BlockWindows::seen_from_eye(const glm::dvec3& centre) const {

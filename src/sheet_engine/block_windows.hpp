@@ -16,6 +16,8 @@ class BlockWindows {
                int finer = 1);
   /// Of block (column, row) of a slice.
   PixelWindow of(int column, int row, int slice) const;
+  /// Among so many columns and rows of a slice's blocks, those that these pixels may show, and some beside.
+  PixelRect blocks_in(const PixelWindow& pixels, int slice, int columns, int rows) const;
 
  private:
   PixelWindow seen_from_eye(const glm::dvec3& centre) const;

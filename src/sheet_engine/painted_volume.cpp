@@ -20,9 +20,24 @@ void PaintedVolume::begin_frame(std::shared_ptr<const SheetFrame> frame, const S
   volumes_ = volumes;
   rays_ = &rays;
   tiles.lay_out(geometry().regions, owned);
+  windows_.emplace(geometry(), frame_->reach(), frame_->reach(), frame_->reach());
+  constexpr std::int64_t far_away = std::int64_t{1} << 40;
+  pixels_ = {far_away, far_away, -far_away, -far_away};
+  const Regions& picture = geometry().picture_regions();
+  for (const int region : owned) {
+    const PixelRect rect = picture.rect(region % picture.count());  // layers lie one below another
+    // Groups of pixels are painted together.
+    pixels_ = hull(pixels_,
+                   {rect.x0 - group_side, rect.y0 - group_side, rect.x1 + group_side, rect.y1 + group_side});
+  }
   slabs.clear();
   payload.reset();
   ready_ = false;
+}
+
+PixelRect PaintedVolume::blocks_seen(int step) const {
+  return windows_->blocks_in(pixels_, geometry().slice_at(step), CellRanges::blocks_along(rays_->voxels[0]),
+                             CellRanges::blocks_along(rays_->voxels[1]));
 }
 
 bool PaintedVolume::prepare() {
@@ -59,7 +74,7 @@ bool PaintedVolume::mark_tiles(const BlockWindows& windows, int slice) {
 void PaintedVolume::find_planes(std::size_t count) {
   if (!ready_) return;
   const int last = geometry().slices - 1;
-  if (frame_->lit() && slabs.front().step <= 1) planes_.extrapolate(-1, 0, std::min(1, last));
+  if (frame_->lit() && slabs.front().step <= 1) planes_.extrapolate(-1, 0, std::min(1, last), blocks_seen(0));
   for (SheetSlab& slab : std::span(slabs).first(count)) {
     const int back = std::min(slab.step, last), front = std::max(slab.step - 1, 0);
     slab.front = planes_.plane(front);
@@ -76,7 +91,7 @@ void PaintedVolume::find_planes(std::size_t count) {
 void PaintedVolume::extrapolate_end() {
   const int slices = geometry().slices;
   if (frame_->lit() && slabs.back().step >= slices - 1)
-    planes_.extrapolate(slices, slices - 1, std::max(slices - 2, 0));
+    planes_.extrapolate(slices, slices - 1, std::max(slices - 2, 0), blocks_seen(slices - 1));
 }
 
 /// Makes tables and planes for the frame and the volume's range.

@@ -29,7 +29,7 @@ class PaintedVolume {
   /// Reads a payload, which must outlive its use. Throws RunError when it is none of the frame's.
   void read(std::span<const std::byte> body, int renderer);
   /// Puts the payload's slice into the planes, as that of a step, or only where it is kept.
-  void place(int step) { planes_.place(step, *payload, type()); }
+  void place(int step) { planes_.place(step, *payload, type(), blocks_seen(step)); }
   void keep() { planes_.keep(*payload, type()); }
 
   /// Marks the tiles of the last of `tiles`' slabs, the one behind the payload's slice. Returns whether there
@@ -55,6 +55,8 @@ class PaintedVolume {
   const FrameGeometry& geometry() const { return frame_->geometry; }
   ScalarType type() const { return geometry().grid.type; }
   double slab_length() const { return frame_->step_length() / frame_->slabs(); }
+  /// The columns and rows of a slice's blocks that the Renderer's pixels may show.
+  PixelRect blocks_seen(int step) const;
   void make_ready();
   void make_tints();
   void fill_table();
@@ -62,7 +64,9 @@ class PaintedVolume {
   std::shared_ptr<const SheetFrame> frame_;
   std::size_t volumes_ = 1;
   const SheetRays* rays_ = nullptr;
-  ProjectionColours colours_;                       ///< where slabs are not composited
+  PixelWindow pixels_{};                 ///< of the image plane, with all of the Renderer's in any layer
+  std::optional<BlockWindows> windows_;  ///< of all that a block is used for
+  ProjectionColours colours_;            ///< where slabs are not composited
   std::optional<std::pair<double, double>> range_;  ///< the volume's values, as last told
   ValueScale scale_;
   SlabTable table_;

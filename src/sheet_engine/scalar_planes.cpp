@@ -4,10 +4,8 @@
 
 #include <cstring>
 #include <iterator>
-#include <numeric>
 
 #include "base/byte_stream.hpp"
-#include "base/process.hpp"
 
 namespace ringsplat {
 namespace {
@@ -21,10 +19,10 @@ std::ptrdiff_t pitch_for(int width) {
 
 template <class Number>
 Number coded(const PlaneCode& code, double value) {
-  if constexpr (std::is_same_v<Number, float>)
-    return static_cast<float>(code.of(value));
-  else
-    return static_cast<Number>(std::lround(code.of(value)));
+  const double number = code.of(value);
+  if constexpr (std::is_same_v<Number, float>) return static_cast<float>(number);
+  // As std::lround, which is a call: added to the number below a half, this stays below one.
+  return static_cast<Number>(static_cast<int>(number + std::copysign(0x1.fffffffffffffp-2, number)));
 }
 
 bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
@@ -126,21 +124,19 @@ void ScalarPlanes::empty(Shelf& shelf) {
   shelf = {};
 }
 
-/// Memory for planes_together() planes.
-std::vector<std::byte> ScalarPlanes::memory_of_planes() {
+/// Memory for planes_together() planes. What is not touched of it costs nothing, but in huge pages.
+MappedMemory ScalarPlanes::memory_of_planes() {
   const std::size_t bytes = planes_together() * plane_bytes_;
-  std::vector<std::byte> memory;
-  if (!spare_.empty() && spare_.back().size() == bytes) {
-    memory = std::move(spare_.back());
+  if (!spare_.empty() && spare_.back().get_deleter().bytes == bytes) {
+    MappedMemory memory = std::move(spare_.back());
     spare_.pop_back();
     // Floats beyond the border that are read, although without weight, must be numbers.
-    if (code_.floats) std::fill(memory.begin(), memory.end(), std::byte{0});
+    if (code_.floats) std::fill_n(memory.get(), bytes, std::byte{0});
     return memory;
   }
   spare_.clear();
-  memory.reserve(bytes);
-  prefer_huge_pages(memory.data(), bytes);
-  memory.resize(bytes);
+  MappedMemory memory = map_memory(bytes);
+  if (most_seen_) prefer_huge_pages(memory.get(), bytes);
   return memory;
 }
 
@@ -151,8 +147,8 @@ ScalarPlanes::PlaneMemory ScalarPlanes::plane_on(Shelf& shelf, std::size_t plane
   const std::size_t together = planes_together(), part = plane / together;
   if (part >= shelf.memory.size()) shelf.memory.resize(part + 1);
   auto& memory = shelf.memory[part];
-  if (memory.empty()) memory = memory_of_planes();
-  return {memory.data() + plane % together * plane_bytes_, slot};
+  if (memory == nullptr) memory = memory_of_planes();
+  return {memory.get() + plane % together * plane_bytes_, slot};
 }
 
 /// Makes what a plane holds speak of this frame's fillers: those that are other numbers now are unknown.
@@ -167,7 +163,6 @@ void ScalarPlanes::renew_fillers(Slot& slot) const {
     if (same != fillers_.end()) now[k] = std::uint8_t(same - fillers_.begin());
   }
   slot.fillers = fillers_;
-  slot.elsewhere = now[slot.elsewhere];
   for (std::uint8_t& held : slot.holds) held = now[held];
 }
 
@@ -210,38 +205,28 @@ void ScalarPlanes::fill(const PlaneMemory& place, std::uint32_t block, std::uint
   note_change(block);
 }
 
-void ScalarPlanes::fill_all(const PlaneMemory& place, std::uint8_t with) {
-  Slot& slot = place.slot;
-  const auto fill_one = [&](std::uint32_t block) { fill(place, block, with); };
-  if (slot.elsewhere == with)
-    std::for_each(slot.others.begin(), slot.others.end(), fill_one);
-  else
-    for (std::uint32_t block = 0; block < blocks(); ++block) fill_one(block);
-  slot.elsewhere = with;
-  std::erase_if(slot.others, [&](std::uint32_t block) { return slot.holds[block] != voxels; });
+/// Fills the blocks of which a payload says nothing, as they may hold something else by now.
+void ScalarPlanes::fill_unsaid(const PlaneMemory& place, const SheetPayload& payload, const PixelRect& seen) {
+  const auto fill_some = [&](int row, int first, int end) {
+    for (int column = first; column < end; ++column)
+      fill(place, std::uint32_t(row * columns_ + column), payload.header.elsewhere);
+  };
+  for (int row = seen.y0; row < seen.y1; ++row) {
+    const int said = row - payload.header.first_row;
+    const BlockRow its =
+        said >= 0 && said < int(payload.rows.size()) ? payload.rows[std::size_t(said)] : BlockRow{};
+    fill_some(row, seen.x0, std::min<int>(seen.x1, its.first));
+    fill_some(row, std::max<int>(seen.x0, its.end), seen.x1);
+  }
 }
 
 template <class Number, class T>
 void ScalarPlanes::put_blocks(const PlaneMemory& place, std::uint8_t voxels_are,
                               const SheetPayload& payload) {
   Slot& slot = place.slot;
-  const std::uint8_t elsewhere = payload.header.elsewhere;
-  if (slot.elsewhere != elsewhere) fill_all(place, elsewhere);
-  auto before = slot.others.begin();
-  const auto forget_up_to = [&](std::uint32_t block) {
-    for (; before != slot.others.end() && *before < block; ++before) {
-      fill(place, *before, elsewhere);
-      if (slot.holds[*before] == voxels) others_.push_back(*before);
-    }
-    if (before != slot.others.end() && *before == block) ++before;
-  };
   const std::byte* from = payload.voxels.data();
-  others_.clear();
   payload.for_each_block([&](int column, int row, std::uint8_t byte) {
-    if (byte == elsewhere) return;
     const auto block = std::uint32_t(row * columns_ + column);
-    forget_up_to(block);
-    others_.push_back(block);
     if (byte < block_present) {
       fill(place, block, byte);
     } else if ((byte & block_kept) != 0) {
@@ -257,8 +242,6 @@ void ScalarPlanes::put_blocks(const PlaneMemory& place, std::uint8_t voxels_are,
       from = put_block<Number, T>(place, block, (byte & block_labelled) != 0, from);
     }
   });
-  forget_up_to(blocks());
-  slot.others.swap(others_);
 }
 
 /// Returns the end of its bytes.
@@ -304,8 +287,9 @@ void ScalarPlanes::extrapolate_border(auto* p) {
 }
 
 void ScalarPlanes::put(const PlaneMemory& place, std::uint8_t voxels_are, const SheetPayload& payload,
-                       ScalarType type) {
+                       ScalarType type, const PixelRect& seen) {
   changed_columns_ = changed_rows_ = {};
+  fill_unsaid(place, payload, seen);
   with_number([&](auto number) {
     visit_type(type,
                [&](auto zero) { put_blocks<decltype(number), decltype(zero)>(place, voxels_are, payload); });
@@ -313,13 +297,14 @@ void ScalarPlanes::put(const PlaneMemory& place, std::uint8_t voxels_are, const 
   });
 }
 
-void ScalarPlanes::place(int step, const SheetPayload& payload, ScalarType type) {
+void ScalarPlanes::place(int step, const SheetPayload& payload, ScalarType type, const PixelRect& seen) {
+  most_seen_ = 4 * std::int64_t(seen.width()) * seen.height() > blocks();
   plane_of_step_.resize(std::max(plane_of_step_.size(), std::size_t(step + 2)), no_plane);
   plane_of_step_[std::size_t(step + 1)] = payload.header.plane;
-  if (!keep(payload, type)) put(memory_of_step(step), unknown, payload, type);
+  if (!keep(payload, type, seen)) put(memory_of_step(step), unknown, payload, type, seen);
 }
 
-bool ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
+bool ScalarPlanes::keep(const SheetPayload& payload, ScalarType type, const PixelRect& seen) {
   use_shelf(payload.header.shelf);
   if (payload.header.plane == no_plane) return false;
   Shelf& shelf = shelves_[shelf_->shelf];
@@ -330,26 +315,12 @@ bool ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
   }
   const PlaneMemory place = plane_on(shelf, payload.header.plane);
   renew_fillers(place.slot);
-  put(place, voxels, payload, type);
+  put(place, voxels, payload, type, seen);
   return true;
 }
 
-void ScalarPlanes::extrapolate(int step, int a, int b) {
+void ScalarPlanes::extrapolate(int step, int a, int b, const PixelRect& seen) {
   const PlaneMemory to = memory_of_step(step), at_a = memory_of_step(a), at_b = memory_of_step(b);
-  Slot& slot = to.slot;
-  const Slot &before = at_a.slot, &after = at_b.slot;
-  others_.clear();
-  if (before.elsewhere == after.elsewhere && before.elsewhere != unknown) {
-    // Where both hold the same filler the extrapolation is that.
-    fill_all(to, before.elsewhere);
-    std::set_union(before.others.begin(), before.others.end(), after.others.begin(), after.others.end(),
-                   std::back_inserter(others_));
-  } else {
-    slot.elsewhere = unknown;
-    others_.resize(blocks());
-    std::iota(others_.begin(), others_.end(), 0U);
-  }
-  for (const std::uint32_t block : others_) slot.holds[block] = unknown;
   with_number([&](auto number) {
     using Number = decltype(number);
     auto* const out = origin<Number>(to.memory);
@@ -358,12 +329,16 @@ void ScalarPlanes::extrapolate(int step, int a, int b) {
       for (std::ptrdiff_t at = first; at < first + numbers; ++at)
         out[at] = static_cast<Number>(2 * one[at] - other[at]);
     };
-    for (const std::uint32_t block : others_) for_rows(block, extrapolate_row);
+    for (int row = seen.y0; row < seen.y1; ++row)
+      for (int column = seen.x0; column < seen.x1; ++column) {
+        const auto block = std::uint32_t(row * columns_ + column);
+        to.slot.holds[block] = unknown;
+        for_rows(block, extrapolate_row);
+      }
     for (const int y : {-1, height_}) extrapolate_row(y * pitch_ - 1, width_ + 2);
     for (int y = 0; y < height_; ++y)
       for (const int x : {-1, width_}) extrapolate_row(y * pitch_ + x, 1);
   });
-  slot.others.swap(others_);
 }
 
 }  // namespace ringsplat

@@ -5,7 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "base/process.hpp"
 #include "raster/slice_buffer.hpp"
+#include "screen/regions.hpp"
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 #include "sheet_engine/table_axis.hpp"
@@ -26,13 +28,14 @@ class ScalarPlanes {
   int slots() const { return slots_; }
   std::ptrdiff_t pitch() const { return pitch_; }
 
-  /// Puts a slice into its own plane, or into the place of the step `slots` before. Throws RunError when the
-  /// payload has blocks kept that are not here, or a frame's payloads are of different shelves.
-  void place(int step, const SheetPayload& payload, ScalarType type);
-  /// Puts a slice into its own plane, also where it is not to be drawn. False when it has none.
-  bool keep(const SheetPayload& payload, ScalarType type);
-  /// Puts 2a - b into the place of a step that may be -1.
-  void extrapolate(int step, int a, int b);
+  /// Puts a slice into its own plane, or into the place of the step `slots` before. `seen`: the columns and
+  /// rows of blocks that may be read; what lies beside them takes neither time nor memory. Throws RunError
+  /// when the payload has blocks kept that are not here, or a frame's payloads are of different shelves.
+  void place(int step, const SheetPayload& payload, ScalarType type, const PixelRect& seen);
+  /// Puts a slice's blocks into its own plane, also where it is not to be drawn. False when it has none.
+  bool keep(const SheetPayload& payload, ScalarType type, const PixelRect& seen = {});
+  /// Puts 2a - b into the place of a step that may be -1, where it is seen.
+  void extrapolate(int step, int a, int b, const PixelRect& seen);
   /// Voxel (0, 0).
   const void* plane(int step) const;
   /// Its label, in a plane of as many bytes a row; null where there are none. Of blocks that are not needed
@@ -47,20 +50,18 @@ class ScalarPlanes {
   static constexpr std::uint8_t unneeded = 0x80;  ///< a flag of labels that are kept
   static_assert(most_tints < unneeded);
 
-  /// What the blocks of a plane hold, so that a payload costs what it says and what the one before said.
+  /// What the blocks of a plane hold, so that nothing is filled twice.
   struct Slot {
-    std::uint8_t elsewhere = unknown;   ///< the filler of all blocks but `others`; unknown: of none
-    std::vector<std::uint32_t> others;  ///< ascending; all that hold voxels are among them
-    std::vector<std::uint8_t> holds;    ///< by block: the filler in it, `voxels` or unknown
-    Fillers fillers{};                  ///< that `holds` speaks of
+    std::vector<std::uint8_t> holds;  ///< by block: the filler in it, `voxels` or unknown
+    Fillers fillers{};                ///< that `holds` speaks of
   };
   /// Planes, which are kept from frame to frame while what they are of stays the same.
   struct Shelf {
     int generation = -1;
     int width = 0, height = 0;
     PlaneCode code;
-    std::vector<Slot> slots;                     ///< by plane
-    std::vector<std::vector<std::byte>> memory;  ///< of planes_together() planes each
+    std::vector<Slot> slots;           ///< by plane
+    std::vector<MappedMemory> memory;  ///< of planes_together() planes each
   };
 
   /// Memory of a plane and what it holds.
@@ -69,10 +70,11 @@ class ScalarPlanes {
     Slot& slot;
   };
   PlaneMemory memory_of_step(int step);
-  void put(const PlaneMemory& place, std::uint8_t voxels_are, const SheetPayload& payload, ScalarType type);
+  void put(const PlaneMemory& place, std::uint8_t voxels_are, const SheetPayload& payload, ScalarType type,
+           const PixelRect& seen);
   void use_shelf(const ShelfNumber& number);
   void empty(Shelf& shelf);
-  std::vector<std::byte> memory_of_planes();
+  MappedMemory memory_of_planes();
   PlaneMemory plane_on(Shelf& shelf, std::size_t plane);
   std::size_t planes_together() const { return std::max<std::size_t>(1, least_memory / plane_bytes_); }
   void renew_fillers(Slot& slot) const;
@@ -88,7 +90,7 @@ class ScalarPlanes {
                              const std::byte* from) const;
   void for_rows(std::uint32_t block, auto&& use) const;
   void for_labels(const PlaneMemory& place, std::uint32_t block, auto&& change) const;
-  void fill_all(const PlaneMemory& place, std::uint8_t with);
+  void fill_unsaid(const PlaneMemory& place, const SheetPayload& payload, const PixelRect& seen);
   void fill(const PlaneMemory& place, std::uint32_t block, std::uint8_t with);
   void note_change(std::uint32_t block);
   void extrapolate_border(auto* plane);
@@ -107,10 +109,10 @@ class ScalarPlanes {
   std::size_t plane_bytes_ = 0;
   Shelf passing_;  ///< its planes are the slots
   std::array<Shelf, ShelfNumber::shelves> shelves_;
-  std::vector<std::vector<std::byte>> spare_;  ///< memory of emptied shelves
-  std::optional<ShelfNumber> shelf_;           ///< of the frame's payloads
-  std::vector<std::uint16_t> plane_of_step_;   ///< by step + 1; no_plane: the slice is in a slot
-  std::vector<std::uint32_t> others_;          ///< of the slot that is being filled
+  std::vector<MappedMemory> spare_;           ///< of emptied shelves
+  bool most_seen_ = false;                    ///< of the last slice
+  std::optional<ShelfNumber> shelf_;          ///< of the frame's payloads
+  std::vector<std::uint16_t> plane_of_step_;  ///< by step + 1; no_plane: the slice is in a slot
   /// Along an axis, voxels of blocks that changed and lie at a border or next to one that does.
   PixelRun changed_columns_, changed_rows_;
 };

@@ -69,16 +69,17 @@ TEST_CASE("what a plane held before does not show in what is placed there") {
       std::vector<std::vector<double>> expected(slots);
       for (int step = 0; step < 60; ++step) {
         const Made made = random_payload(random, width, height);
+        const PixelRect all{0, 0, CellRanges::blocks_along(width), CellRanges::blocks_along(height)};
         ScalarPlanes fresh;
         fresh.begin_frame(width, height, slots, code, fillers);
-        fresh.place(step, made.payload, ScalarType::uint8);
-        used.place(step, made.payload, ScalarType::uint8);
+        fresh.place(step, made.payload, ScalarType::uint8, all);
+        used.place(step, made.payload, ScalarType::uint8, all);
         CAPTURE(floats, width, height, step);
         expected[std::size_t(step % slots)] = numbers(fresh, step, width, height, floats);
         REQUIRE(numbers(used, step, width, height, floats) == expected[std::size_t(step % slots)]);
         if (step < slots || step % 3 != 0) continue;
         // Then an extrapolation takes a slot that was used.
-        used.extrapolate(step + 1, step, step - 1);
+        used.extrapolate(step + 1, step, step - 1, all);
         const auto &one = expected[std::size_t(step % slots)],
                    &other = numbers(used, step - 1, width, height, floats),
                    &out = numbers(used, step + 1, width, height, floats);
@@ -102,7 +103,7 @@ TEST_CASE("a kept block's labels do not show where it is not needed, and come ba
     payload.rows = {{0, 2}};
     payload.bytes = {bytes.data()};
     payload.voxels = voxels;
-    planes.place(step, payload, ScalarType::uint8);
+    planes.place(step, payload, ScalarType::uint8, {0, 0, 2, 1});
     return planes.labels(step);
   };
   // The first block's voxels and labels, and the second one's voxels.

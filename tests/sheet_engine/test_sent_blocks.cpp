@@ -1,3 +1,5 @@
+#include <random>
+
 #include "net/message.hpp"
 #include "sheet_engine/block_windows.hpp"
 #include "sheet_engine/sheet_engine.hpp"
@@ -8,6 +10,7 @@
 #include "support/message_of.hpp"
 #include "support/seen_from_above.hpp"
 #include "support/views.hpp"
+#include "volume/cell_ranges.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
@@ -53,6 +56,47 @@ TEST_CASE("a Renderer is told only of blocks that it can see, whatever the funct
     });
   }
   CHECK(told_hidden > 0);
+}
+
+TEST_CASE("all blocks that pixels may show are among those that are found for them, and few others") {
+  std::mt19937 random(3);
+  const auto within = [&random](double low, double high) {
+    return low + (high - low) * (double(random()) / double(std::mt19937::max()));
+  };
+  FrameSpec spec{.how = Sheets{}};
+  spec.shown.width = 160;
+  spec.shown.height = 120;
+  spec.shown.transfer_function = ramp(20, 255, 0.9);
+  int found = 0, all = 0;
+  for (int view = 0; view < 300; ++view) {
+    spec.shown.camera = {.azimuth = within(0, 360),
+                         .elevation = within(-90, 90),
+                         .roll = within(0, 360),
+                         .zoom = within(0.3, 8),
+                         .fov = view % 2 == 0 ? 0 : within(5, 120),
+                         .distance = view % 2 == 0 ? 0 : within(1.05, 3)};
+    const auto frame = make_sheet_frame(spec, make_grid({90, 70, 40}), 1, 1);
+    const FrameGeometry& g = frame->geometry;
+    const BlockWindows windows(g, frame->reach(), frame->reach(), frame->reach());
+    const int columns = CellRanges::blocks_along(g.grid.slice_width(g.traversal.axis)),
+              rows = CellRanges::blocks_along(g.grid.slice_height(g.traversal.axis)),
+              slice = int(within(0, g.slices)), x = int(within(0, 160)), y = int(within(0, 120));
+    const PixelWindow pixels{x, y, x + int(within(0, 40)), y + int(within(0, 40))};
+    const PixelRect blocks = windows.blocks_in(pixels, slice, columns, rows);
+    CAPTURE(view, slice, x, y);
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) {
+        const PixelWindow seen = windows.of(column, row, slice);
+        if (seen.x1 - seen.x0 > 1e6) continue;  // it reaches beside the eye, where rays meet other blocks
+        if (seen.x1 < pixels.x0 || seen.x0 > pixels.x1 || seen.y1 < pixels.y0 || seen.y0 > pixels.y1)
+          continue;
+        REQUIRE((column >= blocks.x0 && column < blocks.x1 && row >= blocks.y0 && row < blocks.y1));
+      }
+    found += blocks.width() * blocks.height();
+    all += columns * rows;
+  }
+  CAPTURE(all, found);
+  CHECK(found < all / 2);
 }
 
 TEST_CASE("a GP refuses sheets of slices whose cells' ranges were not loaded, unless it has none") {
