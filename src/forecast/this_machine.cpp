@@ -119,33 +119,31 @@ Spent measured_ratio(const Method& how) {
 /// What GPs and Renderers spend on splats, then on sheets.
 using Speed = std::array<double, 4>;
 
-/// Identifies this build, as one version may be built more than once, on this host, as JSON.
+/// Identifies this build, as one version may be built more than once, on this host.
 std::string build_and_host() {
   const fs::path program = "/proc/self/exe";
   std::error_code ignored;  // zeros when it cannot be read
-  const json build{{"bytes", fs::file_size(program, ignored)},
-                   {"changed", fs::last_write_time(program, ignored).time_since_epoch().count()},
-                   {"version", build_id()}};
-  return json{{"program", build}, {"host", host_name()}}.dump(-1, ' ', false, json::error_handler_t::replace);
+  return fmt::format("{} {} {} {}", fs::file_size(program, ignored),
+                     fs::last_write_time(program, ignored).time_since_epoch().count(), build_id(),
+                     host_name());
 }
 
 /// In the user's cache folder (XDG base directory specification, which says to ignore a relative
 /// XDG_CACHE_HOME); empty without a home folder.
-fs::path file_for(const std::string& key) {
+fs::path file_for_machine() {
   const char *const cache = std::getenv("XDG_CACHE_HOME"), *const home = std::getenv("HOME");
   const bool has_cache = cache != nullptr && fs::path(cache).is_absolute();
   if (!has_cache && (home == nullptr || *home == '\0')) return {};
   const fs::path folder = has_cache ? fs::path(cache) : fs::path(home) / ".cache";
-  return folder / "ringsplat" / fmt::format("machine-{:016x}.json", std::hash<std::string>{}(key));
+  return folder / "ringsplat" /
+         fmt::format("machine-{:016x}.json", std::hash<std::string>{}(build_and_host()));
 }
 
 /// Nothing when there is no such file, or when it cannot be understood, of which it warns.
-std::optional<Speed> kept_speed(const fs::path& file, const std::string& key) try {
+std::optional<Speed> kept_speed(const fs::path& file) try {
   std::ifstream in(file, std::ios::binary);
   if (!in) return {};
-  const json stored = json::parse(in);
-  if (stored.at("key") != key) throw std::domain_error("it is of something else");
-  const auto speed = stored.at("measured").get<Speed>();
+  const auto speed = json::parse(in).at("measured").get<Speed>();
   if (!std::ranges::all_of(speed, [](double n) { return n > 0 && n < 1e6; }))
     throw std::domain_error("a measurement in it is impossible");
   return speed;
@@ -155,23 +153,22 @@ std::optional<Speed> kept_speed(const fs::path& file, const std::string& key) tr
 }
 
 /// Only warns on failure: the next run then measures again.
-void keep(const fs::path& file, const std::string& key, const Speed& speed) try {
+void keep(const fs::path& file, const Speed& speed) try {
   if (file.empty()) return;
   fs::create_directories(file.parent_path());
-  write_text(file, json{{"key", key}, {"measured", speed}}.dump(1) + "\n");
+  write_text(file, json{{"measured", speed}}.dump(1) + "\n");
 } catch (const std::exception& e) {
   log_warning("the machine cannot be kept for the next run: {}; hint: XDG_CACHE_HOME says where", e.what());
 }
 
 /// Of this build on this host it is measured once.
 Speed known_speed() {
-  const std::string key = build_and_host();
-  const fs::path file = file_for(key);
-  if (const auto kept = kept_speed(file, key)) return *kept;
+  const fs::path file = file_for_machine();
+  if (const auto kept = kept_speed(file)) return *kept;
   log_info("measuring what a core of this machine does");
   const Spent splats = measured_ratio(Splats{}), sheets = measured_ratio(sheets_of(usual_quality));
   const Speed speed{splats.gp, splats.renderer, sheets.gp, sheets.renderer};
-  keep(file, key, speed);
+  keep(file, speed);
   return speed;
 }
 
