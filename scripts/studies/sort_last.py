@@ -35,12 +35,14 @@ NETWORKS = ["infiniband-fat-tree.toml", "ethernet-cluster.toml"]
 # Pixels of a simulated picture that are drawn: each stands for a square of the true one's, and links are as much slower.
 DRAWN = 128
 FRAMES, REAL_FRAMES, TURN = 5, 7, 2
-# Azimuth, elevation, and degrees that an eye sees.
-VIEWS = {"axis": (0, 90, 0), "30/20": (30, 20, 0), "36/35": (36, 35, 0), "eye, 30/20": (30, 20, 40)}
+# Azimuth, elevation, degrees that an eye sees, and zoom.
+VIEWS = {"axis": (0, 90, 0, 1.7), "30/20": (30, 20, 0, 1.7), "36/35": (36, 35, 0, 1.7), "eye, 30/20": (30, 20, 40, 1.7),
+         "close, 30/20": (30, 20, 0, 6)}
 SCENES = {"ball": 0.32, "shell": 0.03}
 # Ranks, scene, view and slices of a layer.
 LAYERS = [(16, "ball", "30/20", 16), (64, "ball", "30/20", 8), (64, "ball", "30/20", 16), (64, "ball", "30/20", 32),
-          (256, "ball", "30/20", 16), (64, "ball", "axis", 16), (64, "shell", "30/20", 16)]
+          (256, "ball", "30/20", 16), (1024, "ball", "30/20", 16), (64, "ball", "axis", 16), (64, "ball", "close, 30/20", 16),
+          (64, "shell", "30/20", 16)]
 
 
 def real_rings(ranks):
@@ -70,14 +72,14 @@ class Study(Rows):
 
     def ring_view(self, view, frames):
         """The program's options for frames that turn."""
-        azimuth, elevation, fov = VIEWS[view]
+        azimuth, elevation, fov, zoom = VIEWS[view]
         with open(self.path("views.txt"), "w", encoding="utf-8") as file:
-            file.writelines(f"{azimuth + TURN * k} {elevation} 0 1.7\n" for k in range(frames))
+            file.writelines(f"{azimuth + TURN * k} {elevation} 0 {zoom}\n" for k in range(frames))
         return ["--path", self.path("views.txt"), "--fit", "sphere", *(["--projection", "perspective", "--fov", fov] if fov else [])]
 
     def race_view(self, view, frames):
-        azimuth, elevation, fov = VIEWS[view]
-        return ["--engine", "sheets", "--azimuth", azimuth, "--elevation", elevation, "--zoom", 1.7, "--turn", TURN, "--frames", frames,
+        azimuth, elevation, fov, zoom = VIEWS[view]
+        return ["--engine", "sheets", "--azimuth", azimuth, "--elevation", elevation, "--zoom", zoom, "--turn", TURN, "--frames", frames,
                 *(["--fov", fov] if fov else [])]
 
     # Real ranks
@@ -185,7 +187,7 @@ class Study(Rows):
                 self.simulated("large", network, ranks, "axis", n=1024)
 
     def views(self):
-        for view in ("axis", "36/35", "eye, 30/20"):
+        for view in [name for name in VIEWS if name != "30/20"]:
             for network in NETWORKS:
                 self.simulated("views", network, 64, view)
 
@@ -234,7 +236,7 @@ def draw(plt, best):
                 if points:
                     axis.loglog(*zip(*points), line, color=colour, label=f"{of_program}, {time}")
         axis.set(xlabel=f"simulated ranks, {name}")
-        axis.set_xticks([16, 64, 256], ["16", "64", "256"])
+        axis.set_xticks([16, 64, 256, 1024], ["16", "64", "256", "1,024"])
         axis.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
         axis.yaxis.set_major_formatter("{x:g}")
         axis.minorticks_off()

@@ -72,8 +72,7 @@ void settle_protocol(const OptionList& list, RenderOptions& o) {
   const ProtocolOptions ahead = running_ahead(o.run.topology);
   unless_given("--slots", protocol.slots, ahead.slots);
   // Slices of different layers go to different Renderers: none should wait for another's token.
-  constexpr int ahead_in_layers = 16;
-  unless_given("--look-ahead", protocol.look_ahead, sheets->layers > 0 ? ahead_in_layers : ahead.look_ahead);
+  unless_given("--look-ahead", protocol.look_ahead, sheets->layers > 0 ? INT_MAX : ahead.look_ahead);
   unless_given("--send-ahead", protocol.send_ahead, ahead.send_ahead);
 }
 

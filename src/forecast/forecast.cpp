@@ -113,8 +113,6 @@ Forecast::Forecast(VolumeSource& source, FrameSpec frame, const TransferFunction
       dealer_(setup_) {
   frame.shown.transfer_function = function_for(source, choice);
   check(frame);
-  // Tokens' tours through layers are not foreseen.
-  if (auto* const sheets = std::get_if<Sheets>(&frame.how)) sheets->layers = 0;
   const WorkCosts usual = sheets_ ? sheet_costs(machine, voxel_weight) : splat_costs(machine, voxel_weight);
   // A splat of a run, and what its run's head adds.
   constexpr double bytes_of_splat = 11;
@@ -196,6 +194,12 @@ Prediction Forecast::predict(const View& view, const Layout& layout) {
   if (!sheets_) costs.table = 0;
   const bool share = hosts.share_cores();
   if (!share) costs.wake = 0;
+  if (g.layers.slices > 0) {
+    // A layer's pixel goes to who composites it, as four halves, and comes there.
+    costs.end = costs.pixel * g.width * g.height / layout.renderers;
+    costs.pixel = 2 * 8 / machine_.platform.bandwidth;
+    costs.in_layers = true;
+  }
   const SliceDealing dealing = dealing_of(layout);
   std::vector<BundlePass> bundles;
   for (int step = 0; step < g.slices;) {

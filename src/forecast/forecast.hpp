@@ -179,7 +179,9 @@ struct TokenCosts {
   double software = 0;            ///< a GP's for a token, its payload and accept
   double longest_piece = 0;       ///< computed before messages are taken
   double painting_piece = 0;      ///< the same, of work between payloads
-  double pixel = 0;               ///< to deliver one
+  double pixel = 0;               ///< to deliver one, or to hand on a layer's
+  double end = 0;                 ///< after all have delivered
+  bool in_layers = false;         ///< tokens pass those slices only of which their Renderers get some
   MeanHops hops = {};             ///< of one hop each where messages are not handed on
 };
 /// What a machine's description says of them; a payload's slices are left out.

@@ -60,12 +60,14 @@ class Walk {
     double passed = ready, software = ready;
     for (std::size_t r = 0; r < drawers_.size(); ++r) {
       if (!shares_.has_tile[r]) continue;
+      const Work work = work_of(r, layers);
+      if (costs_.in_layers && work.slices == 0) continue;
       const double here = std::max({drawers_[r].token, ready, software});
       software += costs_.software;
-      passed = std::max(passed, pass_on(gp, r, here, layers));
+      passed = std::max(passed, pass_on(gp, r, here, work));
     }
     gp_busy_[gp] += software - ready;
-    gp_free_[gp] = std::max(passed, software);
+    gp_free_[gp] = costs_.in_layers ? ready : std::max(passed, software);  // layers are prepared ahead
   }
 
   /// After all slices: Renderers paint what is left and deliver their pixels.
@@ -91,6 +93,7 @@ class Walk {
       t.busiest_renderer = std::max(t.busiest_renderer, d.busy);
       t.end = std::max({t.end, d.drawn + costs_.hop, d.token});
     }
+    t.end += costs_.end;
     return t;
   }
 
@@ -127,9 +130,8 @@ class Walk {
   }
 
   /// When the token that is with a prepared bundle leaves it. What stays on a rank waits for its work only.
-  double pass_on(std::size_t gp, std::size_t renderer, double here, const std::vector<std::size_t>& layers) {
+  double pass_on(std::size_t gp, std::size_t renderer, double here, const Work& work) {
     Drawer& d = drawers_[renderer];
-    const Work work = work_of(renderer, layers);
     const bool stays = colocated_ && gp == renderer, only_gp = gp_free_.size() == 1;
     double leaves = here;
     if (colocated_ || here <= d.token) leaves += wait_at_gp(gp, here, only_gp);

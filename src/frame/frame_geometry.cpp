@@ -201,6 +201,16 @@ int sharing_a_layer(const FrameGeometry& g, int slices, int renderers) {
   return (renderers + layers - 1) / layers;
 }
 
+/// Owners by region: of the k-th in a block of regions, row by row, owner(k); the others are nobody's.
+std::vector<int> owners_in(const Regions& regions, const PixelRect& block, auto&& owner) {
+  std::vector<int> owners(std::size_t(regions.count()), nobody);
+  std::int64_t k = 0;
+  for (int y = block.y0; y < block.y1; ++y)
+    for (int x = block.x0; x < block.x1; ++x)
+      owners[std::size_t(y * regions.columns() + x)] = int(owner(k++));
+  return owners;
+}
+
 }  // namespace
 
 Axis traversed_axis(const FrameSpec& spec, const Grid& grid) {
@@ -215,17 +225,18 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   return g;
 }
 
+std::vector<int> FrameGeometry::owners(int renderers) const {
+  if (!dealt.empty()) return dealt;
+  const std::int64_t takers = dealt_to > 0 ? std::min(dealt_to, renderers) : renderers;
+  return owners_in(regions, reached, [&](std::int64_t k) { return k % takers * renderers / takers; });
+}
+
 std::vector<int> FrameGeometry::tile_owners(int renderers) const {
   // Runs along the rows, so that all that draw have about as many.
-  const std::int64_t takers = dealt_to > 0 ? std::min(dealt_to, renderers) : renderers;
-  std::vector<int> owner(std::size_t(layers.picture.count()), nobody);
-  const PixelRect& block = layers.reached;
-  const std::int64_t all = std::int64_t{block.width()} * block.height();
-  std::int64_t next = 0;
-  for (int y = block.y0; y < block.y1; ++y)
-    for (int x = block.x0; x < block.x1; ++x)
-      owner[std::size_t(y * layers.picture.columns() + x)] = int(next++ * takers / all * renderers / takers);
-  return owner;
+  const std::int64_t takers = dealt_to > 0 ? std::min(dealt_to, renderers) : renderers,
+                     all = std::int64_t{layers.reached.width()} * layers.reached.height();
+  return owners_in(layers.picture, layers.reached,
+                   [&](std::int64_t k) { return k * takers / all * renderers / takers; });
 }
 
 PixelRect reached_regions(const FrameGeometry& g, const Regions& regions) {

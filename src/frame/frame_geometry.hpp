@@ -65,11 +65,9 @@ struct FrameGeometry {
 
   /// Owners, by region of the picture, where there are layers: who composites what others have drawn there.
   std::vector<int> tile_owners(int renderers) const;
-  /// Who draws the reached regions, by region, among `renderers` Renderers.
-  std::vector<int> owners(int renderers) const {
-    if (!dealt.empty()) return dealt;
-    return regions.owners(reached, renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
-  }
+  /// Who draws the reached regions, by region, among `renderers` Renderers: as `dealt` says, or in turn. In
+  /// Neumann 1992 (section 3) a Renderer has one region.
+  std::vector<int> owners(int renderers) const;
 };
 
 /// World lengths from the volume's middle to a place of its lattice.

@@ -1,6 +1,7 @@
 #include "frame/work_estimate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <numeric>
@@ -12,36 +13,42 @@ namespace {
 
 double sum_of(std::span<const double> some) { return std::accumulate(some.begin(), some.end(), 0.0); }
 
+struct PlacedWork {
+  std::array<int, 2> place;  ///< row, column
+  int region;
+  double seconds;
+};
+
 /// Row by row, or column by column where all are clearly wider than high: a volume that is turned round an
-/// upright axis stays in its rows.
-void sort_along_longer_side(const Regions& regions, std::span<RegionWork> work) {
-  PixelRect all = regions.rect(work.front().region);
-  for (const RegionWork& one : work) {
-    const PixelRect rect = regions.rect(one.region);
-    all = {std::min(all.x0, rect.x0), std::min(all.y0, rect.y0), std::max(all.x1, rect.x1),
-           std::max(all.y1, rect.y1)};
-  }
+/// upright axis stays in its rows. They come in either order, so that a stable sort by one number does.
+void sort_along_longer_side(const Regions& regions, std::span<PlacedWork> work) {
+  std::array<int, 2> first = work.front().place, last = first;
+  for (const PlacedWork& one : work)
+    for (const std::size_t k : {0, 1}) {
+      first[k] = std::min(first[k], one.place[k]);
+      last[k] = std::max(last[k], one.place[k]);
+    }
+  const PixelRect corner = regions.rect(first[0] * regions.columns() + first[1]),
+                  other = regions.rect(last[0] * regions.columns() + last[1]);
   constexpr double clearly = 1.4;  // half-way between the shapes that halves of a square have
-  const bool by_column = all.width() > clearly * all.height();
-  const auto place = [&](const RegionWork& one) {
-    return std::pair(by_column ? one.region % regions.columns() : 0, one.region);
-  };
-  std::ranges::sort(work, {}, place);
+  const std::size_t k = other.x1 - corner.x0 > clearly * (other.y1 - corner.y0) ? 1 : 0;
+  const auto along = [k](const PlacedWork& one) { return one.place[k]; };
+  if (!std::ranges::is_sorted(work, {}, along)) std::ranges::stable_sort(work, {}, along);
 }
 
 /// Among the Renderers from `first` on, as many as there is room for.
-void deal_halves(const Regions& regions, std::span<RegionWork> work, std::span<const double> room, int first,
+void deal_halves(const Regions& regions, std::span<PlacedWork> work, std::span<const double> room, int first,
                  std::vector<int>& owner) {
   if (work.empty()) return;
   if (room.size() == 1) {
-    for (const RegionWork& one : work) owner[std::size_t(one.region)] = first;
+    for (const PlacedWork& one : work) owner[std::size_t(one.region)] = first;
     return;
   }
   sort_along_longer_side(regions, work);
   const std::size_t half = room.size() / 2;
   const double all = sum_of(room), share = all > 0 ? sum_of(room.first(half)) / all : 0.5;
   double wanted = 0, sum = 0;
-  for (const RegionWork& one : work) wanted += share * one.seconds;
+  for (const PlacedWork& one : work) wanted += share * one.seconds;
   std::size_t cut = 0;
   while (cut < work.size() && sum + 0.5 * work[cut].seconds < wanted) sum += work[cut++].seconds;
   deal_halves(regions, work.first(cut), room.first(half), first, owner);
@@ -180,9 +187,13 @@ std::optional<Deal> costliest_first(const FrameGeometry& g, const WorkEstimate& 
 
 }  // namespace
 
-std::vector<int> bisect(const Regions& regions, std::vector<RegionWork> work, std::span<const double> room) {
+std::vector<int> bisect(const Regions& regions, const std::vector<RegionWork>& work,
+                        std::span<const double> room) {
   std::vector<int> owner(std::size_t(regions.count()), nobody);
-  deal_halves(regions, work, room, 0, owner);
+  std::vector<PlacedWork> placed;
+  for (const auto& [region, seconds] : work)
+    placed.push_back({{region / regions.columns(), region % regions.columns()}, region, seconds});
+  deal_halves(regions, placed, room, 0, owner);
   return owner;
 }
 

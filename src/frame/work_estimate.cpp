@@ -146,12 +146,15 @@ WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
     }
     ++points_;
     shown_in[std::size_t(point[axis])] += stands_for;
-    if (g.layers.slices > 0) {
-      if (!(place.y >= 0 && place.y < g.height)) continue;
-      const int slice = std::clamp(int(std::lround(voxel[axis])), 0, g.slices - 1);
-      place.y += double(g.layer_of(slice)) * g.layers.height;
-    }
-    deposit(place, work, point[axis]);
+    if (g.layers.slices == 0) deposit(place, work, point[axis]);
+    if (g.layers.slices == 0 || !(place.y >= 0 && place.y < g.height)) continue;
+    // A point may stand for slices of several layers.
+    const double from = std::max(voxel[axis] + 0.5 - 0.5 * spacing[axis], 0.0),
+                 to = std::min(from + spacing[axis], double(g.slices)), thick = g.layers.slices;
+    for (int layer = int(from / thick); layer * thick < to; ++layer)
+      deposit(place + glm::dvec2(0, layer * g.layers.height),
+              work * (std::min(to, (layer + 1) * thick) - std::max(from, layer * thick)) / spacing[axis],
+              point[axis]);
   }
   for (int y = 0; y < rows_; ++y) {
     double row = 0;

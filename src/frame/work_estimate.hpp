@@ -143,8 +143,9 @@ struct RegionWork {
 /// (Berger and Bokhari 1987). All are cut in two across their longer side, half of the Renderers get either
 /// part, and so on. A cut may have a step of a region, so that parts are even where regions are few. Where
 /// work moves a little, cuts move a little, so that most regions stay where they were. Returns owners by
-/// region, indices of `room`; nobody owns regions that are not among the given ones.
-std::vector<int> bisect(const Regions& regions, std::vector<RegionWork> work, std::span<const double> room);
+/// region, indices of `room`; nobody owns regions that are not among the given ones, which ascend.
+std::vector<int> bisect(const Regions& regions, const std::vector<RegionWork>& work,
+                        std::span<const double> room);
 
 /// Deals a frame's regions such that Renderers have about the same work. Parts get neighbouring regions
 /// (bisect()), all alike where the estimate says little. Other regions go the costliest first,

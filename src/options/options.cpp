@@ -181,8 +181,8 @@ void add_protocol_options(OptionList& list, RunOptions& o) {
       {"--link-slots", nullptr, initial, "Messages of one buffer class that may be behind a mesh's link",
        value(o.protocol.link_slots)},
       {"--look-ahead", nullptr, nullptr,
-       "Slices, or bundles of them, that a GP prepares before their tokens have passed; without it 4, but 16 "
-       "with --layers and 1 of render with splats or a described machine",
+       "Slices, or bundles of them, that a GP prepares before their tokens have passed; without it 4, all "
+       "with --layers, and 1 of render with splats or a described machine",
        value(o.protocol.look_ahead)},
       {"--send-ahead", nullptr, nullptr,
        "Payloads that a token leaves behind before it waits until one is accepted; without it 16, but with "

@@ -48,17 +48,6 @@ class Regions {
     return {x0, y0, x0 + std::min(region_width_, width_ - x0), y0 + std::min(region_height_, height_ - y0)};
   }
 
-  /// Deals a block of regions, given in columns and rows, to `dealt_to` of the Renderers, spread evenly among
-  /// them. Returns owners by region; nobody owns those beside the block.
-  ///
-  /// The region in the block's column x and row y belongs to Renderer x + skew · y, modulo their number, so
-  /// that all have equally many regions or one fewer. Among the skews that keep this, it takes the one with
-  /// the longest way from a region to the nearest one of the same Renderer (the lattices of Korobov 1959),
-  /// which deals neighbouring regions to many Renderers. Dealing in turn would be a skew of the row's length
-  /// and give a Renderer whole columns when the two numbers have a common divisor. In Neumann 1992 (section
-  /// 3) a Renderer has one region.
-  std::vector<int> owners(const PixelRect& block, int renderers, int dealt_to) const;
-
   /// The regions that these pixels touch, in columns and rows of regions. Clipped to the image plane; empty
   /// when outside it.
   PixelRect touched(const PixelWindow& pixels) const;

@@ -34,6 +34,18 @@ FrameSpec placed(double scale, glm::dvec2 centre, int side) {
   return spec;
 }
 
+/// In columns and rows of regions.
+PixelRect all(const Regions& regions) { return {0, 0, regions.columns(), regions.rows()}; }
+
+/// Who draws the regions of a block, of which nothing is known.
+std::vector<int> owners_of(const Regions& regions, const PixelRect& block, int renderers, int dealt_to) {
+  FrameGeometry geometry;
+  geometry.regions = regions;
+  geometry.reached = block;
+  geometry.dealt_to = dealt_to;
+  return geometry.owners(renderers);
+}
+
 /// The busiest Renderer's splats.
 double most_splats(const FrameResult& result) {
   std::uint64_t most = 0;
@@ -64,6 +76,56 @@ TEST_CASE("regions are dealt evenly over what the volume covers of the screen, w
         CHECK((renderers > 1 || geometry.regions == Regions(512, 512, 128)));
         spec.division.region_size = 100;
         CHECK(make_geometry(spec, make_grid(dims)).regions == Regions(512, 512, 100));
+      }
+    }
+  }
+}
+
+TEST_CASE("Renderers have as many regions as any other or one fewer, wherever in the picture", "[regions]") {
+  for (const int columns : {1, 2, 4, 5, 6, 12, 16}) {
+    for (int renderers = 1; renderers <= 24; ++renderers) {
+      INFO(columns << " regions in a row, " << renderers << " Renderers");
+      const Regions regions(columns * 10, 70, 10);
+      std::vector<int> owned(std::size_t(renderers), 0);
+      for (const int owner : owners_of(regions, all(regions), renderers, renderers))
+        ++owned[std::size_t(owner)];
+      CHECK(*std::max_element(owned.begin(), owned.end()) <=
+            *std::min_element(owned.begin(), owned.end()) + 1);
+    }
+  }
+}
+
+TEST_CASE("regions dealt to some of the Renderers lie with some at even distances", "[regions]") {
+  const Regions regions(60, 70, 10);
+  for (int renderers = 1; renderers <= 24; ++renderers) {
+    for (int dealt_to = 1; dealt_to <= renderers; ++dealt_to) {
+      INFO(dealt_to << " of " << renderers << " Renderers");
+      const std::vector<int> owners = owners_of(regions, all(regions), renderers, dealt_to),
+                             few = owners_of(regions, all(regions), dealt_to, dealt_to);
+      for (int region = 0; region < regions.count(); ++region)
+        REQUIRE(owners[std::size_t(region)] == few[std::size_t(region)] * renderers / dealt_to);
+    }
+  }
+}
+
+TEST_CASE("a block of regions is dealt as if it were the picture, and the others are nobody's", "[regions]") {
+  const Regions regions(90, 70, 10);
+  for (const PixelRect block :
+       {PixelRect{0, 0, 9, 7}, {2, 1, 7, 6}, {8, 6, 9, 7}, {0, 3, 9, 4}, {4, 4, 4, 4}}) {
+    for (int renderers = 1; renderers <= 12; ++renderers) {
+      INFO(block.x0 << ' ' << block.y0 << ' ' << block.x1 << ' ' << block.y1 << ", " << renderers);
+      const Regions part(std::max(block.width(), 1), std::max(block.height(), 1), 1);
+      const std::vector<int> owners = owners_of(regions, block, renderers, renderers),
+                             alone = owners_of(part, all(part), renderers, renderers);
+      for (int y = 0; y < regions.rows(); ++y) {
+        for (int x = 0; x < regions.columns(); ++x) {
+          const bool inside = x >= block.x0 && x < block.x1 && y >= block.y0 && y < block.y1;
+          const int owner = owners[std::size_t(y * regions.columns() + x)];
+          if (inside)
+            REQUIRE(owner == alone[std::size_t((y - block.y0) * block.width() + x - block.x0)]);
+          else
+            REQUIRE(owner == nobody);
+        }
       }
     }
   }

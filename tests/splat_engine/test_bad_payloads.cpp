@@ -35,7 +35,7 @@ class Sent {
     const Grid grid = make_grid({70, 20, 5});
     spec_.shown.camera = {.azimuth = 10, .elevation = 75};
     spec_.shown.width = spec_.shown.height = 96;
-    spec_.division.region_size = 16;
+    spec_.division.region_size = 20;
     spec_.division.dealt_to = 2;
     spec_.shown.transfer_function = constant_opacity(0.4);
     frame_ = std::make_shared<SplatFrame>(spec_, make_geometry(spec_, grid), 1, 2);
