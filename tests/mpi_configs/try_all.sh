@@ -19,7 +19,8 @@ ln -s "$repo/tests/data" "$scratch/tests/data"
 cp "$here/srun" "$scratch/bin/srun"
 cd "$scratch"
 # The commands of app files and batch scripts have no room for a view, so the program itself is wrapped.
-printf '#!/bin/sh\n[ "$1" = serve ] && exec "%s" "$@"\nexec "%s" "$@" %s\n' "$program" "$program" "${view[*]}" >bin/ringsplat
+printf '#!/bin/sh\ncase "$*" in serve* | --version | *scaling*) exec "%s" "$@" ;; esac\nexec "%s" "$@" %s\n' \
+  "$program" "$program" "${view[*]}" >bin/ringsplat
 chmod +x bin/ringsplat bin/srun
 export PATH=$scratch/bin:$PATH RINGSPLAT_SCRIPTS=$repo/scripts
 for file in "$configs"/*.toml; do cp "$file" mpi_configs/; done
@@ -88,10 +89,26 @@ try_server() {
   tried=$((tried + 1))
 }
 
+# Every row has its frames, and the ranks that drew them.
+try_scaling() {
+  SLURM_NTASKS=16 bash "$1" out/scaling.json 32
+  python3 - out/scaling.json <<'END' || die "$1 wrote something else"
+import json, sys
+rows = json.load(open(sys.argv[1]))["rows"]
+assert [row["ranks"] for row in rows] == [1, 2, 4, 8, 16, 16, 2, 16], rows
+assert all(len(row["frames"]) == 6 and row["frames"][0]["layout"]["ranks"] == row["ranks"] for row in rows)
+END
+  [[ -z $(find out -name 'scaling.*' ! -name scaling.json) ]] || die "$1 left files behind"
+  tried=$((tried + 1))
+}
+
 for script in mpi_configs/slurm/*.sbatch; do
   bash -n "$script"
   if [[ $script == */serve.sbatch ]]; then
     try_server "$script"
+    continue
+  elif [[ $script == */scaling.sbatch ]]; then
+    try_scaling "$script"
     continue
   fi
   SLURM_NTASKS=16 SLURM_NTASKS_HET_GROUP_0=12 SLURM_NTASKS_HET_GROUP_1=4 bash "$script" "$volume" out/slurm.png
