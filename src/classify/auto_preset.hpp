@@ -27,12 +27,10 @@ struct AutoChoice {
 /// - a single value: an even haze;
 /// - labels: a colour each (label_function);
 /// - CT in Hounsfield units, by the modality or by range, air and soft tissue: "ct-soft", or "ct-bone" where
-/// there
-///   is more bone than tissue;
+///   there is more bone than tissue;
 /// - both signs about zero: diverging colours, zero clear;
 /// - positive values of which nearly all are below a tenth of the largest, over three decades and more:
-/// points at
-///   logarithmic steps;
+///   points at logarithmic steps;
 /// - all else: a peak of at least a tenth of the voxels at either end of the values is background, and
 ///   transparent. Of the rest, common values are translucent, and rare ones, farthest from the background,
 ///   nearly opaque.
