@@ -13,7 +13,7 @@ using ClientId = std::uint64_t;
 struct ServerOptions {
   std::string address = "127.0.0.1";
   int port = 0;  ///< 0: any
-  std::vector<std::string> allowed_hosts, allowed_origins;
+  std::vector<std::string> allowed_hosts = {}, allowed_origins = {};
   /// Pages that may show the page in a frame, as origins; the port may be "*". None: no page may.
   std::vector<std::string> allowed_frames = {};
   bool takes_signals = true;  ///< else SIGINT and SIGTERM are left to the program

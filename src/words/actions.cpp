@@ -55,7 +55,7 @@ std::vector<Action> parse_actions(const std::string& text) {
       throw InputError(fmt::format("'{}' belongs to no picture", item.fullname()),
                        "begin each picture by a section, as [front]");
     if (item.name == "++")
-      actions.push_back({.name = item.parents.front(), .words = {}});
+      actions.push_back({.name = item.parents.front()});
     else
       take(actions.back(), item);
   }

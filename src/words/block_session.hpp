@@ -19,8 +19,8 @@ namespace ringsplat::words {
 struct Action {
   std::string name;  ///< the section's
   std::int64_t every = 1, first = 0;
-  std::string file;                ///< {step}: the step's number in six digits
-  std::vector<std::string> words;  ///< for parse_picture()
+  std::string file = {};                ///< {step}: the step's number in six digits
+  std::vector<std::string> words = {};  ///< for parse_picture()
 };
 
 /// Of a TOML file: a section is a picture, its keys `every`, `first` and `file`, the others options of

@@ -303,10 +303,12 @@ std::string path_in(const Workshop& w) {
 }
 
 TEST_CASE("a picture over the budget is drawn again, more exactly", "[mpi]") {
-  const Workshop w("gaussians", "64");  // of every second voxel it is drawn sooner
+  // Every second voxel is drawn in a quarter of the time, also beside other work, and errs too much from
+  // near.
+  const Workshop w("marschner-lobb", "192");
   for (const int ranks : {0, 2}) {
     const Ended ended =
-        succeeded(w.render({"--path", path_in(w), "--max-error", "0.4", "--size", "320x240", "--error-pixels",
+        succeeded(w.render({"--path", path_in(w), "--max-error", "3", "--size", "320x240", "--error-pixels",
                             "1000", "--image-plane", "slices", "--slabs", "1", "--opaque-threshold", "0"},
                            ranks));
     INFO(ended.out);
@@ -316,7 +318,7 @@ TEST_CASE("a picture over the budget is drawn again, more exactly", "[mpi]") {
     REQUIRE(frames.size() == 3);
     for (std::size_t k = 0; k < 3; ++k) {
       CHECK(frames[k].at("frame") == k);
-      CHECK(frames[k].at("error").at("rmse").get<double>() <= 0.4);
+      CHECK(frames[k].at("error").at("rmse").get<double>() <= 3);
       CHECK(fs::exists(w / ("x-000" + std::to_string(k) + ".exr")));
     }
     CHECK(frames[0].at("settings").at("undersample") == 2);
@@ -362,5 +364,5 @@ TEST_CASE("what errs more than its setting should is drawn with one that is as m
   CHECK(slabs(more_exact(table, table[3].shortcuts, 3, 2, true)) == 4);
   CHECK(slabs(more_exact(table, table[3].shortcuts, 2000, 2, false)) == 4);
   CHECK_FALSE(more_exact(table, table[0].shortcuts, 3, 2, false).has_value());
-  CHECK_FALSE(more_exact(table, {.undersample = 2}, 3, 2, false).has_value());
+  CHECK_FALSE(more_exact(table, {0, {}, 2}, 3, 2, false).has_value());
 }

@@ -87,7 +87,8 @@ TEST_CASE("all blocks that pixels may show are among those that are found for th
     for (int row = 0; row < rows; ++row)
       for (int column = 0; column < columns; ++column) {
         const PixelWindow seen = windows.of(column, row, slice);
-        if (seen.x1 - seen.x0 > 1e6) continue;  // it reaches beside the eye, where rays meet other blocks
+        if (seen.x1 - seen.x0 > 1'000'000)
+          continue;  // it reaches beside the eye, where rays meet other blocks
         if (seen.x1 < pixels.x0 || seen.x0 > pixels.x1 || seen.y1 < pixels.y0 || seen.y0 > pixels.y1)
           continue;
         REQUIRE((column >= blocks.x0 && column < blocks.x1 && row >= blocks.y0 && row < blocks.y1));
