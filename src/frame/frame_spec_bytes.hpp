@@ -2,7 +2,6 @@
 #include <cstddef>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "ringsplat/base/bytes.hpp"

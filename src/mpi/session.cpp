@@ -91,8 +91,7 @@ void checked(int code, const char* call) {
   char words[MPI_MAX_ERROR_STRING] = {};
   int length = 0;
   MPI_Error_string(code, words, &length);
-  throw RunError(fmt::format("{} failed on rank {}: {}", call, rank_in_world(),
-                             std::string(words, std::size_t(length))));
+  throw RunError(fmt::format("{} failed on rank {}: {}", call, rank_in_world(), words));
 }
 
 std::optional<int> take_signal(MPI_Comm comm, int source, int tag) {

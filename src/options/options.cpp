@@ -76,8 +76,8 @@ std::vector<Tint> tints_of(const ShownLabels& mask, const std::vector<double>& l
   const auto notes = notes_of(mask);
   for (const double label : labels) {
     const auto of_file = notes.find(label);
-    const auto colour = of_file != notes.end() ? of_file->second.colour : std::nullopt;
-    tints.push_back({int(label), srgb_to_linear(colour.value_or(label_colour(label))),
+    const bool own = of_file != notes.end() && of_file->second.colour;
+    tints.push_back({int(label), srgb_to_linear(own ? *of_file->second.colour : label_colour(label)),
                      mask.covered == Covered::outlined ? 1.0F : 0.6F});
   }
   return tints;

@@ -37,11 +37,8 @@ std::function<void(double)> into(T& target) {
 
 std::vector<Field> fields_of(Machine& m) {
   constexpr double longest = 3600, most_count = 1 << 20;
-  const auto seconds = [](const char* key, double& target, bool required = false) {
-    return Field{key, 0, longest, into(target), required};
-  };
-  const auto of_sheets = [](const char* key, double& target, double in_splats) {
-    return Field{key, 0, longest, into(target), false, false, in_splats};
+  const auto seconds = [](const char* key, double& target, bool required = false, double in_splats = 0) {
+    return Field{key, 0, longest, into(target), required, false, in_splats};
   };
   const auto count = [](const char* key, auto& target, double least, double most) {
     return Field{key, least, most, into(target), false, true};
@@ -57,12 +54,12 @@ std::vector<Field> fields_of(Machine& m) {
           seconds("renderer.composite", m.renderer.composite),
           seconds("renderer.pixel", m.renderer.pixel),
           seconds("renderer.frame", m.renderer.frame),
-          of_sheets("sheets.look", m.sheets.look, 0.05),
-          of_sheets("sheets.copy", m.sheets.copy, 1.0),
-          of_sheets("sheets.place", m.sheets.place, 2),
-          of_sheets("sheets.slice", m.sheets.slice, 100),
-          of_sheets("sheets.sample", m.sheets.sample, 0.1),
-          of_sheets("sheets.table", m.sheets.table, 2e4),
+          seconds("sheets.look", m.sheets.look, false, 0.05),
+          seconds("sheets.copy", m.sheets.copy, false, 1.0),
+          seconds("sheets.place", m.sheets.place, false, 2),
+          seconds("sheets.slice", m.sheets.slice, false, 100),
+          seconds("sheets.sample", m.sheets.sample, false, 0.1),
+          seconds("sheets.table", m.sheets.table, false, 2e4),
           seconds("message.send", m.message.send),
           seconds("message.receive", m.message.receive),
           seconds("message.wake", m.message.wake),
