@@ -36,6 +36,7 @@ it refined to 512³ voxels (one); the same orbit, without pictures, with every f
     arguments = parser(ranks.__doc__)
     repeat(arguments, 3)
     arguments.add_argument("--ranks", nargs="+", type=int, default=[2, 4, 16, 64], metavar="N")
+    arguments.add_argument("--beside", type=int, default=0, metavar="N", help="busy processes that are nobody's ranks")
     arguments.add_argument("tables", nargs="*", metavar="|".join(TABLES), help="only this one")
     options = arguments.parse_args(words)
     tables = options.tables or TABLES
@@ -45,6 +46,7 @@ it refined to 512³ voxels (one); the same orbit, without pictures, with every f
     typed = {(quality, n): Command() for quality in QUALITIES for n in counts}
     configs = {file: Command() for file in sorted((REPO / "mpi_configs").glob("*.toml"))}
     with Bench() as bench:
+        bench.busy(options.beside)
         for _ in range(options.repeat):
             if "typed" in tables:
                 for n in counts:

@@ -117,10 +117,17 @@ class Bench:
     def __enter__(self):
         self.folder = Path(tempfile.mkdtemp())
         self.line = ()
+        self.others = []
         return self
 
     def __exit__(self, *_):
+        for other in self.others:
+            other.kill()
         shutil.rmtree(self.folder)
+
+    def busy(self, processes):
+        """Keeps so many processes busy with something else."""
+        self.others = [subprocess.Popen(("sh", "-c", "while :; do :; done")) for _ in range(processes)]
 
     def path(self, name):
         return self.folder / name

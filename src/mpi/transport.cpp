@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <sched.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -17,14 +18,25 @@ namespace {
 
 constexpr int message_tag = 1, part_tag = 2;
 
-/// Told that ranks share cores, Open MPI yields the core at each look for messages. Where those that work
-/// have one each that takes up to a quarter of their time, and the transport waits by itself. Open MPI reads
-/// its parameter only at the start, when ranks without a core do need it, as they do in collectives; so what
-/// that sets is called, which other MPI libraries do not have. Returns whether it yielded.
+/// Told that ranks share cores, Open MPI yields at each look for messages. Where each rank that works has a
+/// core that takes up to a quarter of its time. The parameter is read at the start only, when ranks without a
+/// core need it; so this calls what it sets, which only Open MPI has. Returns whether it yielded.
 bool let_mpi_yield(bool yields) {
   using Set = bool (*)(bool);
   static const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "opal_progress_set_yield_when_idle"));
   return set != nullptr && set(yields);
+}
+
+/// Where a rank shares its core with other programs, what has come for it waits until their slices of time
+/// are over. With short slices of its own it comes sooner. Linux before 6.12 takes no notice.
+void ask_for_short_slices() {
+  struct {
+    std::uint32_t size, policy;
+    std::uint64_t flags, nice_and_priority, slice, deadline, period;
+  } attributes{};  // Linux's sched_attr, which few C libraries have
+  if (syscall(SYS_sched_getattr, 0, &attributes, sizeof attributes, 0) != 0) return;
+  attributes.slice = 100'000;
+  if (attributes.policy == SCHED_OTHER) syscall(SYS_sched_setattr, 0, &attributes, 0);
 }
 
 /// Whole messages over MPI_Isend and matched probes.
@@ -34,8 +46,7 @@ bool let_mpi_yield(bool yields) {
 class MpiTransport final : public Transport {
  public:
   MpiTransport(MPI_Comm comm, std::size_t largest_part) : comm_(comm), largest_part_(largest_part) {
-    // MPI says how many ranks share this machine. The launcher's word on oversubscription is lost in
-    // containers and under srun.
+    // MPI knows who shares this machine; the launcher's word on that is lost in containers and under srun.
     MPI_Comm here = MPI_COMM_NULL;
     checked(MPI_Comm_split_type(comm_.get(), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here),
             "MPI_Comm_split_type");
@@ -45,6 +56,7 @@ class MpiTransport final : public Transport {
     working_ = comm_.ranks();
     // With the default timer slack a sleep of 20 microseconds takes 70.
     prctl(PR_SET_TIMERSLACK, 1000UL);
+    ask_for_short_slices();
   }
 
   ~MpiTransport() override {
@@ -143,10 +155,7 @@ class MpiTransport final : public Transport {
 
   /// Yields before the first sleep: a few where ranks share cores, some ten milliseconds' worth where each
   /// rank has its own.
-  static long yields_among(int ranks) {
-    constexpr long on_shared_cores = 64, with_own_core = 20'000;
-    return has_cores_for(ranks) ? with_own_core : on_shared_cores;
-  }
+  static long yields_among(int ranks) { return has_cores_for(ranks) ? 20'000 : 64; }
 
   static bool has_cores_for(int ranks) { return ranks <= sysconf(_SC_NPROCESSORS_ONLN); }
 
@@ -159,8 +168,7 @@ class MpiTransport final : public Transport {
   /// The first part holds the header, which says how much follows; parts of one sender stay in order.
   void receive_parts(Bytes& block, int source) {
     const Header header = Message::header_of(block, source);
-    constexpr std::uint64_t longest = std::uint64_t{1}
-                                      << 44;  // of any machine's memory, and far from overflow
+    constexpr auto longest = std::uint64_t{1} << 44;  // of any machine's memory, and far from overflow
     const std::size_t total = sizeof(Header) + std::min(header.bytes, longest);
     std::size_t at = block.size();
     if (total < at || header.bytes > longest)
