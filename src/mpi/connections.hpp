@@ -70,8 +70,8 @@ inline Pause pause_after(long waits, long yields, std::chrono::nanoseconds longe
 
 /// Where sleep ends when there is news.
 inline constexpr std::chrono::nanoseconds longest_with_news{10'000'000};
-/// Between frames only an announcement can come. It goes down a tree of the ranks (net/layout.hpp), and each
-/// may sleep, so those of deep trees sleep less: it reaches the last within 4 ms, or as soon as amid a frame.
+/// Between frames only an announcement can come. It goes down a tree of the ranks (net/layout.hpp). The
+/// deeper that is the less each sleeps, so that the last hears within 4 ms, but no less than amid a frame.
 inline std::chrono::nanoseconds longest_between_frames(int ranks) {
   constexpr std::chrono::nanoseconds most{4'000'000}, to_the_last{4'000'000};
   const int depth = std::bit_width(static_cast<unsigned>(std::max(ranks, 1) - 1));

@@ -18,9 +18,9 @@ namespace {
 
 constexpr int message_tag = 1, part_tag = 2;
 
-/// Told that ranks share cores, Open MPI yields at each look for messages. Where each rank that works has a
-/// core that takes up to a quarter of its time. The parameter is read at the start only, when ranks without a
-/// core need it; so this calls what it sets, which only Open MPI has. Returns whether it yielded.
+/// Told that ranks share cores, Open MPI yields at each look for messages. By that a working rank with a core
+/// of its own loses up to a quarter of its time. The parameter is read at the start only, so this calls what
+/// it sets; other MPI libraries do not have that. Returns whether it yielded.
 bool let_mpi_yield(bool yields) {
   using Set = bool (*)(bool);
   static const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "opal_progress_set_yield_when_idle"));
